@@ -32,7 +32,7 @@ function(pelorus_add_plugin NAME)
     endif()
 
     add_library(${target} MODULE ${arg_SOURCES})
-    target_link_libraries(${target} PRIVATE PelorusSDK::sdk ${arg_LIBRARIES})
+    target_link_libraries(${target} PRIVATE PelorusSDK::sdk ${arg_LIBRARIES} m) # m: C does not bring it by itself
     target_include_directories(${target} PRIVATE ${arg_INCLUDE})
     set_target_properties(${target} PROPERTIES
         OUTPUT_NAME ${NAME}
@@ -50,9 +50,10 @@ function(pelorus_add_plugin NAME)
         # Libraries that a plugin brings along lie beside it or in the host's lib folder, two above lib/pelorus/KIND.
         BUILD_WITH_INSTALL_RPATH ON
         INSTALL_RPATH "$ORIGIN;$ORIGIN/../..")
-    # An undefined symbol is an error now, not when the host loads the plugin; a static library that was linked in
-    # (libstdc++, say) exports nothing.
-    target_link_options(${target} PRIVATE -Wl,-z,defs -Wl,--exclude-libs,ALL)
+    # An undefined symbol is an error now, not when the host loads the plugin. The version script leaves one symbol to be
+    # seen: visibility alone does not hide weak template instances of the standard library, nor what a static library brings.
+    target_link_options(${target} PRIVATE -Wl,-z,defs -Wl,--exclude-libs,ALL
+                        "-Wl,--version-script=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.map")
 
     if(TARGET pelorus_warnings) # the Pelorus tree; other authors choose their own warnings
         target_link_libraries(${target} PRIVATE pelorus_warnings)

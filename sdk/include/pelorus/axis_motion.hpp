@@ -13,20 +13,11 @@
 
 #include <cmath>
 #include <cstring>
-#include <string>
-#include <vector>
 
 #include <pelorus/motion.hpp>
+#include <pelorus/per_axis.hpp>
 
 namespace pelorus {
-
-/// One value for all axes, or one an axis. Throws ParameterError for any other number of values.
-template <int D> Vector<D> per_axis(const std::string& parameter, const std::vector<double>& values) {
-    if (values.size() == 1) return Vector<D>::Constant(values[0]);
-    if (values.size() == static_cast<std::size_t>(D)) return Eigen::Map<const Vector<D>>(values.data());
-    throw ParameterError(parameter, "has " + std::to_string(values.size()) + " values, expected 1 or " +
-                                        std::to_string(D) + " (dimension)");
-}
 
 /// B derivatives (position first), D axes.
 template <class Derived, int B, int D> class AxisMotion : public KroneckerMotion<Derived, B, D> {

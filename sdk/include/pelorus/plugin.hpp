@@ -1,6 +1,6 @@
 /// From a class to a plugin: creation, and the one line that exports it.
 ///
-///     PELORUS_PLUGIN(Singer, "motion.singer")
+///     PELORUS_PLUGIN(Singer, "motion.singer");
 ///
 /// A plugin class derives from one of the kinds (Motion, Sensor, ..., Stage), is default-constructible, has a static
 /// `describe(Describe<Class>&)`, and may have `void setup(const Setup&)`, called once its parameters are in its members.

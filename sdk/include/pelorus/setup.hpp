@@ -8,6 +8,7 @@
 #include <pelorus/abi/diagnostics.h>
 #include <pelorus/abi/frames.h>
 #include <pelorus/abi/log.h>
+#include <pelorus/abi/output.h>
 #include <pelorus/abi/parallel.h>
 #include <pelorus/abi/plugin.h>
 #include <pelorus/abi/publish.h>
@@ -22,6 +23,7 @@ template <> struct ServiceId<plr_random> { static constexpr const char* id = PLR
 template <> struct ServiceId<plr_frames> { static constexpr const char* id = PLR_SERVICE_FRAMES; };
 template <> struct ServiceId<plr_parallel> { static constexpr const char* id = PLR_SERVICE_PARALLEL; };
 template <> struct ServiceId<plr_publish> { static constexpr const char* id = PLR_SERVICE_PUBLISH; };
+template <> struct ServiceId<plr_output> { static constexpr const char* id = PLR_SERVICE_OUTPUT; };
 template <> struct ServiceId<plr_diagnostics> { static constexpr const char* id = PLR_SERVICE_DIAGNOSTICS; };
 
 class Setup {

@@ -9,7 +9,6 @@
 /// Threads  All functions are pure: [worker, concurrent] [hot], no allocation, no exception.
 /// Errors   Factorisations answer false where the matrix is not what they need; their output is then undefined. Sizes that
 ///          do not agree are a static assertion where both are fixed, else an assertion.
-/// Units    Whatever the arguments have.
 #pragma once
 
 #include <algorithm>
@@ -31,18 +30,15 @@ using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Col
 namespace detail {
 
 template <class A> using plain = std::remove_cv_t<std::remove_reference_t<A>>;
-
 template <class A> inline constexpr int rows_of = plain<A>::RowsAtCompileTime;
 template <class A> inline constexpr int cols_of = plain<A>::ColsAtCompileTime;
 
-template <class A> constexpr int max_rows() {
-    static_assert(plain<A>::MaxRowsAtCompileTime != Eigen::Dynamic, "the number of rows must be bounded");
-    return plain<A>::MaxRowsAtCompileTime;
+template <int Max> constexpr int bounded() {
+    static_assert(Max != Eigen::Dynamic, "the sizes of a small matrix must be bounded");
+    return Max;
 }
-template <class A> constexpr int max_cols() {
-    static_assert(plain<A>::MaxColsAtCompileTime != Eigen::Dynamic, "the number of columns must be bounded");
-    return plain<A>::MaxColsAtCompileTime;
-}
+template <class A> constexpr int max_rows() { return bounded<plain<A>::MaxRowsAtCompileTime>(); }
+template <class A> constexpr int max_cols() { return bounded<plain<A>::MaxColsAtCompileTime>(); }
 
 /// Rows (or columns) that must agree: at compile time where both are fixed, by assertion otherwise.
 template <int A, int B> inline void agree([[maybe_unused]] Index a, [[maybe_unused]] Index b) noexcept {
@@ -62,8 +58,7 @@ template <bool transpose_b, class A, class B, class C> inline void product(const
     agree<cols_of<A>, transpose_b ? cols_of<B> : rows_of<B>>(inner, transpose_b ? b.cols() : b.rows());
     agree<rows_of<A>, rows_of<C>>(rows, out.rows());
     agree<transpose_b ? rows_of<B> : cols_of<B>, cols_of<C>>(cols, out.cols());
-    const double* const x = a.data();
-    const double* const y = b.data();
+    const double *const x = a.data(), *const y = b.data();
     for (Index j = 0; j < cols; ++j) {
         double sum[max_rows<A>()] = {};
         for (Index k = 0; k < inner; ++k) {
@@ -83,8 +78,7 @@ inline void symmetric_product_transposed(const A& a, const B& b, C& out) noexcep
     agree<rows_of<A>, rows_of<B>>(n, b.rows());
     agree<rows_of<A>, rows_of<C>>(n, out.rows());
     agree<rows_of<A>, cols_of<C>>(n, out.cols());
-    const double* const x = a.data();
-    const double* const y = b.data();
+    const double *const x = a.data(), *const y = b.data();
     double* const z = out.data();
     for (Index j = 0; j < n; ++j) {
         double sum[max_rows<A>()] = {};
@@ -100,8 +94,6 @@ inline void symmetric_product_transposed(const A& a, const B& b, C& out) noexcep
 }
 
 }  // namespace detail
-
-// ---------------------------------------------------------------------------------------------------- products
 
 /// out = A B.
 template <class A, class B, class C> inline void multiply(const A& a, const B& b, C&& out) noexcept {
@@ -162,30 +154,26 @@ template <class A> [[nodiscard]] inline bool all_finite(const A& a) noexcept {
     return sum == 0.0;
 }
 
-// ---------------------------------------------------------------------------------------------- factorisations
-
 namespace detail {
 
-/// Cholesky by columns; pivot(j, value, diagonal) turns the raw pivot into the one to use, or into one below 0: give up.
+/// Cholesky by columns; pivot(value, diagonal) turns the raw pivot into the one to use, or one below 0: give up.
 template <class A, class L, class Pivot>
 [[nodiscard]] inline bool cholesky_by_columns(const A& a, L& l, Pivot pivot) noexcept {
     const Index n = a.rows();
     agree<rows_of<A>, cols_of<A>>(n, a.cols());
     agree<rows_of<A>, rows_of<L>>(n, l.rows());
     agree<cols_of<A>, cols_of<L>>(n, l.cols());
-    const double* const x = a.data();
     double* const f = l.data();
     for (Index j = 0; j < n; ++j) {
         double column[max_rows<A>()];
-        for (Index i = j; i < n; ++i) column[i] = x[j * n + i];
+        for (Index i = j; i < n; ++i) column[i] = a.data()[j * n + i];
         const double diagonal = column[j];
         for (Index k = 0; k < j; ++k) {
             const double factor = f[k * n + j];
             for (Index i = j; i < n; ++i) column[i] -= f[k * n + i] * factor;
         }
-        const double used = pivot(column[j], diagonal);
-        if (!(used >= 0.0 && used <= std::numeric_limits<double>::max())) return false;
-        const double root = std::sqrt(used);
+        const double root = std::sqrt(pivot(column[j], diagonal));
+        if (!(root >= 0.0)) return false;
         const double inverse = root > 0.0 ? 1.0 / root : 0.0;
         for (Index i = 0; i < j; ++i) f[j * n + i] = 0.0;
         f[j * n + j] = root;
@@ -304,24 +292,22 @@ template <class W> inline void triangularise_rows(W&& w, Index count) noexcept {
     }
 }
 
-// ---------------------------------------------------------------------------------------------- filter updates
-
-/// out = (I - K H) P (I - K H)' + K R K': the covariance after an update with any gain K, optimal or not; symmetric and
-/// without the cancellation of P - K H P (Bucy, Joseph: Filtering for Stochastic Processes, 1968).
-/// Shapes: P n x n, H m x n, R m x m, K n x m, out n x n (may be P).
-template <class P, class H, class R, class K, class C>
-inline void joseph_update(const P& p, const H& h, const R& r, const K& k, C&& out) noexcept {
-    const Index n = p.rows();
-    detail::Product<K, H> rest(n, n);
-    multiply(k, h, rest);
-    for (Index e = 0; e < n * n; ++e) rest.data()[e] = (e % (n + 1) == 0 ? 1.0 : 0.0) - rest.data()[e];
-    detail::Product<K, H> kept(n, n), noise(n, n);
-    symmetric_product(rest, p, kept);
-    symmetric_product(k, r, noise);
-    for (Index e = 0; e < n * n; ++e) out.data()[e] = kept.data()[e] + noise.data()[e];
+/// The covariance after an update, in Joseph's form, from factors: with P = L L', R = N N' and G = H L,
+///     out = (I - K H) P (I - K H)' + K R K' = (L - K G)(L - K G)' + (K N)(K N)'
+/// for any gain K, optimal or not. A sum of squares: symmetric, its diagonal never negative, and an error of the gain enters
+/// only as its square (Bucy, Joseph: Filtering for Stochastic Processes with Applications to Guidance, 1968).
+/// Shapes: L n x n, G m x n, N m x m, K n x m, out n x n.
+template <class L, class G, class N, class K, class C>
+inline void joseph_update(const L& l, const G& g, const N& noise, const K& k, C&& out) noexcept {
+    const Index n = l.rows();
+    detail::Product<K, G> rest(n, n);
+    multiply(k, g, rest);
+    for (Index e = 0; e < n * n; ++e) rest.data()[e] = l.data()[e] - rest.data()[e];
+    detail::Product<K, N> noise_share(n, noise.cols());
+    multiply(k, noise, noise_share);
+    gram(rest, out);
+    add_gram(noise_share, out);
 }
-
-// -------------------------------------------------------------------------------------------- symmetric spectra
 
 /// Eigenvalues (ascending) and orthonormal eigenvectors (columns) of a symmetric A by cyclic Jacobi rotations, which find
 /// the small eigenvalues of a positive definite matrix as exactly as the large ones (Golub, Van Loan, 8.5; Demmel,
@@ -338,8 +324,8 @@ template <class A, class D, class V>
         for (Index i = j; i < n; ++i) w[i][j] = w[j][i] = a.data()[j * n + i];
         for (Index i = 0; i < n; ++i) v[j * n + i] = i == j ? 1.0 : 0.0;
     }
-    bool rotated = all_finite(a);
-    if (!rotated) return false;
+    if (!all_finite(a)) return false;
+    bool rotated = true;
     for (int sweep = 0; rotated && sweep < 40; ++sweep) {
         rotated = false;
         for (Index p = 0; p < n; ++p) {
@@ -371,9 +357,8 @@ template <class A, class D, class V>
     for (Index j = 0; j < n; ++j) values.data()[j] = w[j][j];
     for (Index j = 0; j + 1 < n; ++j) {
         const Index least = std::min_element(values.data() + j, values.data() + n) - values.data();
-        if (least == j) continue;
+        if (least != j) std::swap_ranges(v + j * n, v + (j + 1) * n, v + least * n);
         std::swap(values.data()[j], values.data()[least]);
-        std::swap_ranges(v + j * n, v + (j + 1) * n, v + least * n);
     }
     return true;
 }
@@ -403,7 +388,7 @@ template <class A, class C, class Function>
 template <class A, class C> [[nodiscard]] inline bool square_root(const A& a, C&& out) noexcept {
     const double tolerance = static_cast<double>(a.rows()) * std::numeric_limits<double>::epsilon();
     return detail::spectral(a, out, [tolerance](double value, double largest) {
-        return value >= 0.0 ? std::sqrt(value) : (value >= -tolerance * largest ? 0.0 : std::sqrt(value));
+        return value < 0.0 && value >= -tolerance * largest ? 0.0 : std::sqrt(value);
     });
 }
 

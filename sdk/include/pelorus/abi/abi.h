@@ -13,6 +13,7 @@
 #include "log.h"
 #include "message.h"
 #include "motion.h"
+#include "output.h"
 #include "parallel.h"
 #include "partitioner.h"
 #include "plugin.h"

@@ -33,15 +33,15 @@ typedef struct plr_parameter {
   uint32_t flags;
   uint32_t choice_count;
   const char* name;
-  const char* doc;          /* one sentence */
-  const char* unit;         /* SI; "" for pure numbers; vectors and matrices: one for all elements, or "m, rad, rad" a row */
-  const char* default_text; /* as one would write it in a config: "0.1 1/s", "[0 m, 0 m, 0 m]", "true" */
-  double min, max;          /* SI, each element; -INFINITY, INFINITY: none */
-  const char* const* choices; /* [choice_count] */
+  const char* doc;  /* one sentence */
+  const char* unit; /* SI; "" for pure numbers; vectors and matrices: one for all elements, or "m, rad, rad" a row */
+  const char* default_text;       /* as one would write it in a config: "0.1 1/s", "[0 m, 0 m, 0 m]", "true" */
+  double min, max;                /* SI, each element; -INFINITY, INFINITY: none */
+  const char* const* choices;     /* [choice_count] */
   const char* const* choice_docs; /* [choice_count] or NULL */
-  int32_t rows_min, rows_max; /* length of a vector, rows of a matrix or table; rows_max -1: any */
-  int32_t cols_min, cols_max; /* matrices only */
-  uint32_t column_count;      /* tables only */
+  int32_t rows_min, rows_max;     /* length of a vector, rows of a matrix or table; rows_max -1: any */
+  int32_t cols_min, cols_max;     /* matrices only */
+  uint32_t column_count;          /* tables only */
   uint32_t reserved;
   const struct plr_parameter* columns; /* [column_count] bool, int, double, string, choice */
 } plr_parameter;

@@ -49,9 +49,16 @@ typedef struct plr_entry_point {
  * and once a library:
  *     PLR_EXPORT const plr_entry_point plr_entry = {sizeof plr_entry, PLR_ABI_MAJOR, PLR_ABI_MINOR, NULL, NULL, factory};
  */
-#define PLR_MANIFEST(id_, kind_, table_id_, version_)                                                            \
-  __attribute__((section(PLR_MANIFEST_SECTION), used)) static const plr_manifest PLR_JOIN(plr_manifest_, __COUNTER__) = { \
-      PLR_MANIFEST_MAGIC, (uint32_t)sizeof(plr_manifest), PLR_ABI_MAJOR, PLR_ABI_MINOR, id_, kind_, table_id_, version_}
+#define PLR_MANIFEST(id_, kind_, table_id_, version_)                                      \
+  __attribute__((section(PLR_MANIFEST_SECTION), used)) static const plr_manifest PLR_JOIN( \
+      plr_manifest_, __COUNTER__) = {PLR_MANIFEST_MAGIC,                                   \
+                                     (uint32_t)sizeof(plr_manifest),                       \
+                                     PLR_ABI_MAJOR,                                        \
+                                     PLR_ABI_MINOR,                                        \
+                                     id_,                                                  \
+                                     kind_,                                                \
+                                     table_id_,                                            \
+                                     version_}
 
 PLR_EXTERN_C_BEGIN
 extern PLR_EXPORT const plr_entry_point plr_entry;

@@ -31,15 +31,16 @@ typedef struct plr_estimator_info {
   uint32_t record_version; /* its own and those of its parts' records; see record.h */
   uint32_t sensor_count;
   const plr_part* sensors; /* [sensor_count]; instances to be called directly for noise, residual and invert */
-  uint64_t scratch_bytes; /* for any N (work in blocks), the largest need of its parts included */
+  uint64_t scratch_bytes;  /* for any N (work in blocks), the largest need of its parts included */
 } plr_estimator_info;
 
 typedef struct plr_estimator_init {
   uint32_t struct_size;
-  uint32_t known;            /* k: how many components are given */
-  const int32_t* components; /* [k] their indices in info.cartesian, ascending; the others enter with their declared prior
+  uint32_t known; /* k: how many components are given */
+  const int32_t*
+      components;      /* [k] their indices in info.cartesian, ascending; the others enter with their declared prior
                                 mean and deviation, uncorrelated */
-  plr_const_view mean;       /* k x 1 x N */
+  plr_const_view mean; /* k x 1 x N */
   plr_const_view covariance; /* k x k x N */
   plr_view record;           /* r x 1 x N */
 } plr_estimator_init;
@@ -55,23 +56,24 @@ typedef struct plr_estimator_predict {
 
 typedef struct plr_estimator_project {
   uint32_t struct_size;
-  int32_t sensor;         /* index into info.sensors */
-  plr_const_view record;  /* r x 1 x N */
-  plr_view measurement;   /* m x 1 x N: predicted measurement */
-  plr_view covariance;    /* m x m x N: H P H', without R */
-  plr_view cross;         /* n x m x N: P H' in the native state, or data NULL */
+  int32_t sensor;           /* index into info.sensors */
+  plr_const_view record;    /* r x 1 x N */
+  plr_view measurement;     /* m x 1 x N: predicted measurement */
+  plr_view covariance;      /* m x m x N: H P H', without R */
+  plr_view cross;           /* n x m x N: P H' in the native state, or data NULL */
   plr_view cartesian_cross; /* c x m x N: the same in Cartesian components, or data NULL */
 } plr_estimator_project;
 
 typedef struct plr_estimator_update {
   uint32_t struct_size;
   int32_t sensor;
-  plr_const_view record;         /* r x 1 x N */
-  plr_const_view measurement;    /* m x 1 x N: one an item */
-  plr_const_view noise;          /* m x m x N: R, with the extent's share where there is one */
-  plr_view out;                  /* r x 1 x N; may be `record` itself */
-  plr_view log_likelihood;       /* 1 x 1 x N: ln p(measurement | past); for a Gaussian filter ln N(innovation; 0, S); or data NULL */
-  plr_view innovation;           /* m x 1 x N, or data NULL */
+  plr_const_view record;      /* r x 1 x N */
+  plr_const_view measurement; /* m x 1 x N: one an item */
+  plr_const_view noise;       /* m x m x N: R, with the extent's share where there is one */
+  plr_view out;               /* r x 1 x N; may be `record` itself */
+  plr_view
+      log_likelihood; /* 1 x 1 x N: ln p(measurement | past); for a Gaussian filter ln N(innovation; 0, S); or data NULL */
+  plr_view innovation;            /* m x 1 x N, or data NULL */
   plr_view innovation_covariance; /* m x m x N: S = H P H' + R, or data NULL */
 } plr_estimator_update;
 
@@ -139,7 +141,8 @@ typedef struct plr_estimator_modes {
   int32_t mode_count;
   const char* const* names; /* [mode_count] */
   /* [worker, concurrent] [hot] record r x 1 x N -> probabilities mode_count x 1 x N. */
-  plr_status (*probabilities)(const void* self, const plr_call* call, const plr_const_view* record, const plr_view* out);
+  plr_status (*probabilities)(const void* self, const plr_call* call, const plr_const_view* record,
+                              const plr_view* out);
 } plr_estimator_modes;
 
 #endif

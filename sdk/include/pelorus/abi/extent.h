@@ -36,20 +36,21 @@ typedef struct plr_extent_points {
 
 typedef struct plr_extent_init {
   uint32_t struct_size;
-  uint32_t scans;                 /* = info.start_scans */
-  const plr_extent_points* scan;  /* [scans], oldest first */
-  plr_const_view times;           /* scans x 1 x 1, s, relative to the first scan */
-  plr_view record;                /* r x 1 x N */
+  uint32_t scans;                /* = info.start_scans */
+  const plr_extent_points* scan; /* [scans], oldest first */
+  plr_const_view times;          /* scans x 1 x 1, s, relative to the first scan */
+  plr_view record;               /* r x 1 x N */
 } plr_extent_init;
 
 typedef struct plr_extent_predict {
   uint32_t struct_size;
   uint32_t reserved;
-  plr_const_view dt;     /* 1 x 1 x N, s */
-  plr_const_view before; /* c x 1 x N: kinematics before the step, canonical order (positions, velocities, ...), c >= 2 d */
-  plr_const_view after;  /* c x 1 x N: and predicted */
-  plr_const_view record; /* r x 1 x N */
-  plr_view out;          /* r x 1 x N; may be `record` itself */
+  plr_const_view dt; /* 1 x 1 x N, s */
+  plr_const_view
+      before; /* c x 1 x N: kinematics before the step, canonical order (positions, velocities, ...), c >= 2 d */
+  plr_const_view after;             /* c x 1 x N: and predicted */
+  plr_const_view record;            /* r x 1 x N */
+  plr_view out;                     /* r x 1 x N; may be `record` itself */
   plr_const_view before_covariance; /* c x c x N, or data NULL: not known */
   plr_const_view after_covariance;  /* c x c x N, or data NULL */
 } plr_extent_predict;
@@ -80,9 +81,10 @@ typedef struct plr_extent_shape {
   uint32_t struct_size;
   uint32_t reserved;
   plr_const_view record; /* r x 1 x N */
-  plr_view matrix;       /* d x d x N, m^2: symmetric positive definite; (p - centre)' matrix^-1 (p - centre) = 1 is the outline */
-  plr_view half_axes;    /* d x 1 x N, m, descending, or data NULL */
-  plr_view axes;         /* d x d x N: unit vectors of the half axes as columns, or data NULL */
+  plr_view
+      matrix; /* d x d x N, m^2: symmetric positive definite; (p - centre)' matrix^-1 (p - centre) = 1 is the outline */
+  plr_view half_axes; /* d x 1 x N, m, descending, or data NULL */
+  plr_view axes;      /* d x d x N: unit vectors of the half axes as columns, or data NULL */
 } plr_extent_shape;
 
 typedef struct plr_extent_gate {
@@ -122,8 +124,8 @@ typedef struct plr_joint_init {
   const plr_extent_points* scan; /* [scans] as plr_extent_init */
   plr_const_view times;          /* scans x 1 x 1, s */
   plr_const_view mean;           /* c x 1 x N: kinematics at the time of the last scan given */
-  plr_const_view covariance;     /* c x c x N, or data NULL: the instance takes its own from the scans (start_scans 2) */
-  plr_view record;               /* r x 1 x N */
+  plr_const_view covariance; /* c x c x N, or data NULL: the instance takes its own from the scans (start_scans 2) */
+  plr_view record;           /* r x 1 x N */
 } plr_joint_init;
 
 typedef struct plr_joint_predict {

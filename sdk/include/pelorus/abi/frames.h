@@ -16,8 +16,10 @@ typedef struct plr_frames {
   plr_status (*transform)(void* context, const char* from, const char* to, double rotation[9], double translation[3],
                           plr_error* error);
   /* [any] Geodetic (rad, rad, m above the WGS84 ellipsoid) to Cartesian coordinates of the frame (m), and back. */
-  plr_status (*from_geodetic)(void* context, const char* frame, const double geodetic[3], double cartesian[3], plr_error* error);
-  plr_status (*to_geodetic)(void* context, const char* frame, const double cartesian[3], double geodetic[3], plr_error* error);
+  plr_status (*from_geodetic)(void* context, const char* frame, const double geodetic[3], double cartesian[3],
+                              plr_error* error);
+  plr_status (*to_geodetic)(void* context, const char* frame, const double cartesian[3], double geodetic[3],
+                            plr_error* error);
 } plr_frames;
 
 #endif

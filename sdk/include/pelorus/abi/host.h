@@ -9,7 +9,7 @@ typedef struct plr_host {
   uint16_t abi_major, abi_minor;
   const char* version; /* of the host, for messages */
   void* context;
-  /* [any] A service's table (log.h, random.h, publish.h, frames.h, parallel.h, diagnostics.h) or NULL: then do without,
+  /* [any] A service's table (log.h, random.h, publish.h, frames.h, parallel.h, output.h, diagnostics.h) or NULL: then do without,
    * or refuse to be created with PLR_E_UNSUPPORTED. Valid as long as the instance. */
   const void* (*service)(const struct plr_host* host, const char* id);
 } plr_host;

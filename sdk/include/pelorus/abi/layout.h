@@ -7,8 +7,7 @@
 #include "abi.h"
 
 #define PLR_SIZE(type, size) PLR_STATIC_ASSERT(sizeof(type) == (size), #type " changed its size")
-#define PLR_AT(type, member, offset) \
-  PLR_STATIC_ASSERT(offsetof(type, member) == (offset), #type "." #member " moved")
+#define PLR_AT(type, member, offset) PLR_STATIC_ASSERT(offsetof(type, member) == (offset), #type "." #member " moved")
 
 PLR_STATIC_ASSERT(sizeof(void*) == 8, "Pelorus is defined for LP64");
 
@@ -827,6 +826,13 @@ PLR_AT(plr_stage, receive, 48);
 PLR_AT(plr_stage, finish, 56);
 PLR_AT(plr_stage, save, 64);
 PLR_AT(plr_stage, load, 72);
+
+/* output.h */
+PLR_SIZE(plr_output, 24);
+PLR_AT(plr_output, struct_size, 0);
+PLR_AT(plr_output, reserved, 4);
+PLR_AT(plr_output, context, 8);
+PLR_AT(plr_output, folder, 16);
 
 #undef PLR_AT
 #undef PLR_SIZE

@@ -12,7 +12,13 @@
 
 #define PLR_MESSAGES "pelorus.message.draft/1"
 
-enum { PLR_MESSAGE_SCAN = 1, PLR_MESSAGE_TRACKS = 2, PLR_MESSAGE_TRUTH = 3, PLR_MESSAGE_VALUES = 4, PLR_MESSAGE_TABLE = 5 };
+enum {
+  PLR_MESSAGE_SCAN = 1,
+  PLR_MESSAGE_TRACKS = 2,
+  PLR_MESSAGE_TRUTH = 3,
+  PLR_MESSAGE_VALUES = 4,
+  PLR_MESSAGE_TABLE = 5
+};
 
 /* Measurements of one sensor at one time. */
 typedef struct plr_scan {
@@ -21,13 +27,13 @@ typedef struct plr_scan {
   const char* sensor;
   const char* frame;      /* of the Cartesian components that the sensor model reads, not of the sensor's own axes */
   const plr_space* space; /* m components */
-  plr_const_view measurements; /* m x 1 x n */
-  plr_const_view covariances;  /* m x m x n; item_stride 0: common; data NULL: the sensor model's own noise holds */
-  const uint64_t* ids;         /* [n] unique among all measurements that this source ever publishes */
-  const int64_t* times;        /* [n] ns, or NULL: all at the message's time */
-  plr_const_view snr;          /* 1 x 1 x n, power ratio, or data NULL */
+  plr_const_view measurements;     /* m x 1 x n */
+  plr_const_view covariances;      /* m x m x n; item_stride 0: common; data NULL: the sensor model's own noise holds */
+  const uint64_t* ids;             /* [n] unique among all measurements that this source ever publishes */
+  const int64_t* times;            /* [n] ns, or NULL: all at the message's time */
+  plr_const_view snr;              /* 1 x 1 x n, power ratio, or data NULL */
   const plr_space* waveform_space; /* or NULL */
-  plr_const_view waveform;     /* w x 1 x 1: the waveform in force, or data NULL */
+  plr_const_view waveform;         /* w x 1 x 1: the waveform in force, or data NULL */
 } plr_scan;
 
 enum { PLR_TRACK_TENTATIVE = 0, PLR_TRACK_CONFIRMED = 1, PLR_TRACK_COASTING = 2, PLR_TRACK_DELETED = 3 };
@@ -38,22 +44,24 @@ typedef struct plr_tracks {
   uint32_t record_version;
   int64_t count;
   const char* frame;
-  const plr_space* space; /* c components, positions first */
-  const uint64_t* ids;    /* [n], unique within the publishing node, never used again within a run */
-  const int64_t* times;   /* [n] ns */
-  const int32_t* status;  /* [n] */
-  const int32_t* misses;  /* [n] in a row */
-  plr_const_view mean;       /* c x 1 x n */
-  plr_const_view covariance; /* c x c x n */
-  plr_const_view extent;     /* d x d x n as in plr_extent_shape, or data NULL */
+  const plr_space* space;        /* c components, positions first */
+  const uint64_t* ids;           /* [n], unique within the publishing node, never used again within a run */
+  const int64_t* times;          /* [n] ns */
+  const int32_t* status;         /* [n] */
+  const int32_t* misses;         /* [n] in a row */
+  plr_const_view mean;           /* c x 1 x n */
+  plr_const_view covariance;     /* c x c x n */
+  plr_const_view extent;         /* d x d x n as in plr_extent_shape, or data NULL */
   const int64_t* parent_offsets; /* [n + 1] into parents, or NULL */
-  const uint64_t* parents;       /* ids of all tracks that it directly came from, told with every entry; a survivor of a merger
+  const uint64_t*
+      parents;            /* ids of all tracks that it directly came from, told with every entry; a survivor of a merger
                                     gains the id that it absorbed */
-  const uint64_t* groups;        /* [n] id of the group (an entry of the node's port `groups`), 0: none; or NULL */
+  const uint64_t* groups; /* [n] id of the group (an entry of the node's port `groups`), 0: none; or NULL */
   const int64_t* measurement_offsets; /* [n + 1] into measurements, or NULL */
   const uint64_t* measurements;       /* ids of the measurements used at this time */
-  plr_const_view records; /* r x 1 x n estimator records, where the tracker's parameter `records` asks for them, or data NULL */
-  const char* record_of;  /* plugin id of the estimator they belong to, or NULL */
+  plr_const_view
+      records; /* r x 1 x n estimator records, where the tracker's parameter `records` asks for them, or data NULL */
+  const char* record_of;               /* plugin id of the estimator they belong to, or NULL */
   const double* measurement_distances; /* squared Mahalanobis distance of each of `measurements`, or NULL */
   const double* measurement_weights;   /* association weight of each of `measurements`, or NULL: 1 */
 } plr_tracks;
@@ -64,13 +72,13 @@ typedef struct plr_truth {
   uint32_t reserved;
   int64_t count;
   const char* frame;
-  const plr_space* space; /* c components, positions first */
-  const uint64_t* ids;    /* [n] */
-  const int64_t* times;   /* [n] ns */
-  plr_const_view state;   /* c x 1 x n */
-  plr_const_view extent;  /* d x d x n, or data NULL */
-  const uint64_t* parents;/* [n] id, or the entry's own id: none; NULL: none at all */
-  const int64_t* births;  /* [n] ns, or NULL */
+  const plr_space* space;             /* c components, positions first */
+  const uint64_t* ids;                /* [n] */
+  const int64_t* times;               /* [n] ns */
+  plr_const_view state;               /* c x 1 x n */
+  plr_const_view extent;              /* d x d x n, or data NULL */
+  const uint64_t* parents;            /* [n] id, or the entry's own id: none; NULL: none at all */
+  const int64_t* births;              /* [n] ns, or NULL */
   const int64_t* measurement_offsets; /* [n + 1] into measurements, or NULL */
   const uint64_t* measurements;       /* ids of the measurements that came from this object; the others are clutter */
 } plr_truth;
@@ -112,7 +120,7 @@ typedef struct plr_column {
   uint32_t reduce;
   const char* name;
   const char* unit;
-  double quantile; /* for QUANTILE */
+  double quantile;          /* for QUANTILE */
   const char* const* texts; /* a text column: element (row) is texts[number], numbers count from 0; else NULL */
   uint32_t text_count;
   uint32_t reserved;
@@ -125,10 +133,11 @@ typedef struct plr_scalar {
   const char* unit;
   double value; /* of this run; NaN is left out and counted */
   double quantile;
-  const char* column; /* or NULL. Given: the scalar is the mean of that reduced column of this table over its rows (so that
+  const char*
+      column;    /* or NULL. Given: the scalar is the mean of that reduced column of this table over its rows (so that
                          an RMSE is the mean over time of the root mean square over runs); rows that reduce to nothing finite
                          are left out */
-  double weight;      /* of this run in a MEAN; 0 reads as 1 */
+  double weight; /* of this run in a MEAN; 0 reads as 1 */
 } plr_scalar;
 
 /* A result. It reaches the results without any edge. A node may publish several tables of different names, and the same name
@@ -136,7 +145,7 @@ typedef struct plr_scalar {
 typedef struct plr_table {
   uint32_t struct_size;
   uint32_t column_count;
-  const char* name; /* `by_time`; "" : only scalars */
+  const char* name;          /* `by_time`; "" : only scalars */
   const plr_column* columns; /* [column_count] */
   plr_const_view rows;       /* column_count x 1 x rows */
   const plr_scalar* scalars; /* [scalar_count] */

@@ -43,7 +43,8 @@ typedef struct plr_motion_propagate {
   plr_const_view state;  /* n x p x N */
   plr_const_view record; /* r x 1 x N */
   plr_view out;          /* n x p x N; the mean motion, without noise */
-  plr_const_view mean;   /* n x 1 x N: posterior mean that the points are spread about; data NULL: p = 1 and the state is it */
+  plr_const_view
+      mean; /* n x 1 x N: posterior mean that the points are spread about; data NULL: p = 1 and the state is it */
 } plr_motion_propagate;
 
 typedef struct plr_motion_jacobian {

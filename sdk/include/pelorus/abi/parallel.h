@@ -14,7 +14,8 @@ typedef struct plr_parallel {
    * not depend on the number of threads; returns when all are done. The first failing block (in order) decides the
    * answer. A body must not call run() again. */
   plr_status (*run)(void* context, int64_t count, int64_t block,
-                    plr_status (*body)(void* argument, int64_t first, int64_t last, plr_scratch* scratch, plr_error* error),
+                    plr_status (*body)(void* argument, int64_t first, int64_t last, plr_scratch* scratch,
+                                       plr_error* error),
                     void* argument, plr_error* error);
 } plr_parallel;
 

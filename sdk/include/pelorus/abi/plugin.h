@@ -32,8 +32,8 @@ typedef struct plr_instance {
 typedef struct plr_part {
   uint32_t struct_size;
   uint32_t value_count;
-  const char* slot; /* of the holder */
-  const char* name; /* the part's name within the slot; "" if unnamed */
+  const char* slot;    /* of the holder */
+  const char* name;    /* the part's name within the slot; "" if unnamed */
   const char* address; /* `world.sensors.radar` */
   const char* table_id;
   const plr_description* description;
@@ -55,16 +55,16 @@ typedef struct plr_input_place {
 typedef struct plr_config {
   uint32_t struct_size;
   uint32_t value_count;
-  const char* address; /* `tracker.estimator.motion` */
+  const char* address;     /* `tracker.estimator.motion` */
   const plr_value* values; /* [value_count], in the order of the description */
-  const plr_part* parts; /* [part_count], slots in the order of the description, parts in the order of the file */
+  const plr_part* parts;   /* [part_count], slots in the order of the description, parts in the order of the file */
   uint32_t part_count;
   uint32_t input_count;
   const plr_input_place* inputs; /* [input_count] of the whole tree; its own come first */
-  int64_t input_offset; /* of its own inputs, in the order of the description, back to back */
-  int64_t input_size;   /* doubles in plr_call.inputs */
-  plr_key key;          /* of (seed, run, node name): stages draw from it; models get keys in each call */
-  const char* frame;    /* stages: the frame named in the config, or "" */
+  int64_t input_offset;          /* of its own inputs, in the order of the description, back to back */
+  int64_t input_size;            /* doubles in plr_call.inputs */
+  plr_key key;                   /* of (seed, run, node name): stages draw from it; models get keys in each call */
+  const char* frame;             /* stages: the frame named in the config, or "" */
   const plr_host* host;
 } plr_config;
 

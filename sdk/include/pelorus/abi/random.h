@@ -20,8 +20,15 @@ typedef struct plr_key {
 } plr_key;
 
 /* Streams that Pelorus itself uses; a plugin takes its own from 1000 on. */
-enum { PLR_STREAM_NOISE = 1, PLR_STREAM_DETECTION = 2, PLR_STREAM_CLUTTER = 3, PLR_STREAM_START = 4, PLR_STREAM_EXTENT = 5,
-       PLR_STREAM_TRAJECTORY = 6, PLR_STREAM_PARTICLES = 7 };
+enum {
+  PLR_STREAM_NOISE = 1,
+  PLR_STREAM_DETECTION = 2,
+  PLR_STREAM_CLUTTER = 3,
+  PLR_STREAM_START = 4,
+  PLR_STREAM_EXTENT = 5,
+  PLR_STREAM_TRAJECTORY = 6,
+  PLR_STREAM_PARTICLES = 7
+};
 
 typedef struct plr_random {
   uint32_t struct_size;

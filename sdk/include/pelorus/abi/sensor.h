@@ -25,7 +25,7 @@ typedef struct plr_sensor_info {
   const plr_space* cartesian;   /* c: what measure reads */
   const plr_space* inverse;     /* what invert answers, a subset of `cartesian` in its order; NULL without CAN_INVERT */
   const plr_space* waveform;    /* w: parameters of a waveform, or NULL */
-  uint64_t scratch_bytes; /* for any N (work in blocks), the largest need of its parts included */
+  uint64_t scratch_bytes;       /* for any N (work in blocks), the largest need of its parts included */
 } plr_sensor_info;
 
 typedef struct plr_sensor_measure {

@@ -39,7 +39,8 @@ typedef struct plr_port_type {
   uint32_t struct_size;
   uint32_t stream_count;
   const plr_stream* streams;
-  uint32_t passes_on; /* out ports: 1 + index of an in port whose streams come out here, too; 0: none. A stream listed here
+  uint32_t
+      passes_on; /* out ports: 1 + index of an in port whose streams come out here, too; 0: none. A stream listed here
                          replaces the one of the same sensor name */
   uint32_t reserved;
 } plr_port_type;
@@ -70,7 +71,8 @@ typedef struct plr_stage {
   plr_status (*next)(void* self, const plr_call* call, plr_next* out);
   /* [worker, exclusive] Sources only: publishes the event that next announced. call.time is its arrival. */
   plr_status (*emit)(void* self, const plr_call* call);
-  /* [worker, exclusive] A message has come in at an in port. call.time is its arrival. PLR_E_DATA: it is refused and counted,
+  /* [worker, exclusive] A message has come in at an in port. call.time is the arrival of the event being
+   * handled: the message's own, but on a feedback edge. PLR_E_DATA: it is refused and counted,
    * the state is as before, the run goes on; any other error ends the run. */
   plr_status (*receive)(void* self, const plr_call* call, uint32_t port, const plr_message* message);
   /* [worker, exclusive] No more will come. Publish what is left; sinks make their files complete. Called in graph order; what

@@ -13,11 +13,11 @@
 typedef struct plr_trajectory_info {
   uint32_t struct_size;
   uint32_t flags;
-  const plr_space* state;      /* c: positions, velocities[, accelerations] */
-  int64_t objects;             /* o */
-  int32_t extent_dimension;    /* d, or 0: points */
+  const plr_space* state;   /* c: positions, velocities[, accelerations] */
+  int64_t objects;          /* o */
+  int32_t extent_dimension; /* d, or 0: points */
   uint32_t record_version;
-  int64_t record_size;         /* r */
+  int64_t record_size;    /* r */
   uint64_t scratch_bytes; /* for any N (work in blocks), the largest need of its parts included */
 } plr_trajectory_info;
 

@@ -25,15 +25,15 @@ typedef struct plr_waveform_info {
 typedef struct plr_waveform_choose {
   uint32_t struct_size;
   uint32_t reserved;
-  plr_const_view mean;       /* c x h x N: predicted Cartesian means, step 1 .. h */
-  plr_const_view covariance; /* c x (c h) x N: their covariances side by side */
-  plr_const_view projected;  /* m x (m h) x N: H P H' side by side, without R */
-  plr_const_view cross;      /* c x (m h) x N: P H' side by side */
-  plr_const_view base_noise; /* m x m x N: the sensor's noise with its base waveform */
-  plr_view waveform;         /* w x 1 x N */
-  plr_view noise;            /* m x m x N: what it implies */
-  plr_view criterion;        /* 1 x 1 x N: the value it was chosen by, smaller is better, or data NULL */
-  plr_const_view dt;         /* h x 1 x N, s: from each step to the next */
+  plr_const_view mean;        /* c x h x N: predicted Cartesian means, step 1 .. h */
+  plr_const_view covariance;  /* c x (c h) x N: their covariances side by side */
+  plr_const_view projected;   /* m x (m h) x N: H P H' side by side, without R */
+  plr_const_view cross;       /* c x (m h) x N: P H' side by side */
+  plr_const_view base_noise;  /* m x m x N: the sensor's noise with its base waveform */
+  plr_view waveform;          /* w x 1 x N */
+  plr_view noise;             /* m x m x N: what it implies */
+  plr_view criterion;         /* 1 x 1 x N: the value it was chosen by, smaller is better, or data NULL */
+  plr_const_view dt;          /* h x 1 x N, s: from each step to the next */
   const plr_space* cartesian; /* the c components */
 } plr_waveform_choose;
 
