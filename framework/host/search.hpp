@@ -1,0 +1,20 @@
+/// Which files plugins are looked for in, and which of them are safe to load.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/catalog.hpp"
+
+namespace pelorus::host {
+
+/// All `.so` files below the folders, canonical, each once: by folder, then by path. Symbolic links are followed, loops end.
+/// What could not be searched, and why, is appended to `rejected`.
+std::vector<std::filesystem::path> find_libraries(const std::vector<std::filesystem::path>& folders,
+                                                  std::vector<RejectedFile>& rejected);
+
+/// Why nobody should load this file, or "": whoever may write a library, or replace it, runs code in this process.
+std::string why_unsafe(const std::filesystem::path& library);
+
+}  // namespace pelorus::host
