@@ -1,0 +1,31 @@
+/// The plugins that a config names, each looked up once.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "graph/graph.hpp"
+#include "graph/part_tree.hpp"
+
+namespace pelorus::graph {
+
+class Plugins {
+public:
+    explicit Plugins(PluginFinder finder) : finder_(std::move(finder)) {}
+
+    struct Found {
+        const host::LoadedPlugin* plugin = nullptr;
+        std::string error;  ///< why there is none
+    };
+    const Found& find(const std::string& id);
+    /// Valid as long as this object.
+    Descriptions descriptions();
+
+private:
+    PluginFinder finder_;
+    std::map<std::string, Found> found_;
+};
+
+}  // namespace pelorus::graph
