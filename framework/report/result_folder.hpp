@@ -1,0 +1,32 @@
+/// The folder that a run leaves behind.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "graph/graph.hpp"
+#include "report/provenance.hpp"
+#include "report/summary.hpp"
+#include "report/timing.hpp"
+#include "runtime/result.hpp"
+
+namespace pelorus::report {
+
+struct ResultFolder {
+    nlohmann::ordered_json summary, provenance, timing;
+};
+
+/// Makes the folder (and those above it) if it is not there, and makes sure that files can be written in it: so before
+/// a run, not after an hour. Throws Error (Exit::run_failed) with the path and the reason.
+void prepare_folder(const std::filesystem::path& folder);
+
+/// Writes summary.json, provenance.json and timing.json, each whole or not at all, over what is there. Throws Error.
+void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents);
+
+/// The same for one run of a graph.
+void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph,
+                         const runtime::Results& results, const Timings& timings, const RunContext& context);
+
+}  // namespace pelorus::report

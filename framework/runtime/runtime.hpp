@@ -1,0 +1,86 @@
+/// Runs a graph: events in (arrival, time, node order, sequence) order, snapshots, results.
+///
+/// An event is a message on its way to all edges of its port, or a source's next emission; an emission comes after
+/// messages of the same arrival, time and node. A message's receivers follow each other in file order.
+///
+/// Feedback: before a node handles an event at arrival a, it receives what waits at its feedback edges with an arrival
+/// strictly before a, oldest first (all its feedback edges merged in the order of events). plr_call.time is then a;
+/// plr_message.arrival remains the one at which it was published. When feedback reaches a source before its emission,
+/// the source is asked anew what comes next. What is published after a node's last event is not delivered to it.
+///
+/// A live source that has nothing yet answers PLR_NEXT_WAIT with a wall-clock time (ns since 1970): the run sleeps till
+/// then, but handles events that arrive before it. A live source may announce an arrival that the run has passed
+/// meanwhile (not one before its own last one); it is handled at once, with the run's arrival. A source that has
+/// answered PLR_NEXT_END is not asked again.
+///
+/// A message that a stage refuses (PLR_E_DATA from receive) is counted (`refused`) and logged, and what the stage
+/// published in that call is dropped; every other failure ends the run. A refused publication that the stage passes
+/// over is such a failure.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/graph.hpp"
+#include "runtime/result.hpp"
+#include "runtime/wiring.hpp"
+
+namespace pelorus::runtime {
+
+struct NodeTiming {
+    std::string node;
+    std::uint64_t calls = 0;
+    double seconds = 0;
+};
+
+struct RunOptions {
+    /// ns: snapshot before the first event that arrives after it (or, if none does, before stages finish), then go on.
+    std::optional<std::int64_t> snapshot_at;
+    std::function<void(const std::vector<unsigned char>& bytes)> on_snapshot;
+    /// Set from a signal handler: handles what has arrived with the present event, drops what arrives later, finishes
+    /// all stages.
+    const std::atomic<bool>* stop = nullptr;
+    std::function<void(std::int64_t arrival)> on_progress;  ///< after each event
+};
+
+enum class Outcome { completed, stopped };
+
+class Runtime {
+public:
+    /// Connects the publish services of the graph's stages. The graph must outlive the runtime.
+    explicit Runtime(graph::Graph& graph);
+    /// The same for a graph told in plain structs, whose instances and hosts must outlive the runtime.
+    explicit Runtime(Wiring wiring);
+    ~Runtime();
+    Runtime(const Runtime&) = delete;
+    Runtime& operator=(const Runtime&) = delete;
+
+    /// Runs until every source has ended and the queue is empty, then finishes all stages in graph order. Throws Error
+    /// (Exit::run_failed) naming node, plugin, call, time and the plugin's message; what stages have written and
+    /// results() stay, and all sinks are finished nevertheless (what fails then follows in the same line). Runs once.
+    Outcome run(const RunOptions& options);
+
+    /// The whole graph: every stage's state, queue, feedback values, counters, results so far. Between events: before
+    /// run(), after it, or from on_snapshot. Throws Error when a stage cannot save.
+    std::vector<unsigned char> snapshot() const;
+    /// Before run(). Throws Error: truncated, damaged, another config, another plugin version; nothing is changed then.
+    /// When a stage does not take its state, the graph is half restored: the error names the stage, and run() is
+    /// refused from then on.
+    void restore(const std::vector<unsigned char>& bytes);
+
+    /// Tables and scalars published by any node so far, by node in file order, then by name.
+    const Results& results() const noexcept;
+    /// By node in file order. A node's time includes the copying of what it publishes.
+    std::vector<NodeTiming> timing() const;
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace pelorus::runtime
