@@ -1,0 +1,109 @@
+// motion.constant_velocity: straight flight at a speed that white acceleration disturbs. See README.md.
+#include "constant_velocity_model.hpp"
+
+#include <optional>
+
+#include <pelorus/axis_motion.hpp>
+
+namespace {
+
+using namespace constant_velocity;
+
+enum class Form { continuous, discrete };
+
+struct Parameters {
+    int dimension = 3;
+    Form form = Form::continuous;
+    std::optional<std::vector<double>> density;    // m2/s3
+    std::optional<std::vector<double>> deviation;  // m/s2
+    double prior_position = 0.0, prior_velocity = 0.0;
+};
+
+template <int D, Form form_> struct Model : pelorus::AxisMotion<Model<D, form_>, 2, D>, Parameters {
+    static constexpr bool rank_one = form_ == Form::discrete;
+    static constexpr std::uint32_t flags = PLR_MOTION_LINEAR | PLR_MOTION_CONSTANT_NOISE | PLR_MOTION_TIME_INVARIANT |
+                                           PLR_MOTION_BACKWARD |
+                                           (rank_one ? 0u : std::uint32_t{PLR_MOTION_EXACT_NOISE});
+
+    static void describe(pelorus::Describe<Model>& plugin);
+
+    void setup(const pelorus::Setup&) {
+        const auto& unused = rank_one ? density : deviation;
+        if (unused)
+            throw pelorus::ParameterError(rank_one ? "noise" : "acceleration",
+                                          rank_one ? "belongs to form: continuous; form: discrete takes acceleration"
+                                                   : "belongs to form: discrete; form: continuous takes noise");
+        if (rank_one)
+            this->intensity =
+                pelorus::per_axis<D>("acceleration", deviation.value_or(std::vector<double>{1.0})).cwiseAbs2();
+        else
+            this->intensity = pelorus::per_axis<D>("noise", density.value_or(std::vector<double>{1.0}));
+    }
+
+    Matrix<2> transition(double dt) const { return constant_velocity::transition(dt); }
+    Vector<2> unit_factor(double dt) const { return discrete_factor(dt); }
+    Matrix<2> unit_noise(double dt) const {
+        if constexpr (!rank_one) return continuous_noise(dt);
+        const Vector<2> g = discrete_factor(dt);
+        return g * g.transpose();
+    }
+    std::vector<double> priors() const { return {prior_position, prior_velocity}; }
+};
+
+template <int D, Form form_> void Model<D, form_>::describe(pelorus::Describe<Model>& plugin) {
+    plugin.title("Nearly constant velocity")
+        .purpose(
+            "Straight motion whose velocity is disturbed by white acceleration, on one to three axes alike. The first "
+            "choice for targets that seldom manoeuvre.")
+        .equation(
+            "x = (p, v); F = [1 T; 0 1] on each axis. continuous: Q = q [T^3/3 T^2/2; T^2/2 T]. discrete: Q = s^2 g "
+            "g', g = [T^2/2; T]. dt < 0: F(dt) Q(-dt) F(dt)'")
+        .source(
+            "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley "
+            "2001, 6.2.2 and 6.3.2");
+    plugin.parameter("dimension", &Parameters::dimension).initially("3").min(1).max(3).doc("number of axes: x, y, z");
+    plugin.parameter("form", &Parameters::form)
+        .initially("continuous")
+        .choices({{"continuous", "white acceleration; takes noise, and steps of any length agree with each other"},
+                  {"discrete", "an acceleration that is constant over each step; takes acceleration"}})
+        .doc("how the disturbing acceleration is modelled");
+    plugin.parameter("noise", &Parameters::density)
+        .unit("m2/s3")
+        .min(0.0)
+        .rows(1, 3)
+        .doc(
+            "spectral density of the acceleration, one value or one an axis; form continuous only, there 1 m2/s3 if "
+            "absent");
+    plugin.parameter("acceleration", &Parameters::deviation)
+        .unit("m/s2")
+        .min(0.0)
+        .rows(1, 3)
+        .doc("deviation of the acceleration, one value or one an axis; form discrete only, there 1 m/s2 if absent");
+    plugin.parameter("prior_position", &Parameters::prior_position)
+        .unit("m")
+        .initially("1000 km")
+        .above(0.0)
+        .doc("deviation of a position component that nothing is known of, about 0");
+    plugin.parameter("prior_velocity", &Parameters::prior_velocity)
+        .unit("m/s")
+        .initially("100 m/s")
+        .above(0.0)
+        .doc("deviation of a velocity component that nothing is known of, about 0");
+}
+
+template <int D> using Continuous = Model<D, Form::continuous>;
+template <int D> using Discrete = Model<D, Form::discrete>;
+
+/// Chooses the class by form and dimension.
+struct ConstantVelocity : pelorus::ByDimension<Continuous> {
+    static plr_instance create(const pelorus::Setup& setup) {
+        Continuous<3> chosen;
+        pelorus::Describe<Continuous<3>>::of().bind(chosen, setup.raw());
+        return chosen.form == Form::continuous ? pelorus::ByDimension<Continuous>::create(setup)
+                                               : pelorus::ByDimension<Discrete>::create(setup);
+    }
+};
+
+}  // namespace
+
+PELORUS_PLUGIN(ConstantVelocity, "motion.constant_velocity");
