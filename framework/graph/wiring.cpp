@@ -7,29 +7,13 @@
 
 #include "graph/names.hpp"
 #include "host/description.hpp"
+#include "host/kinds.hpp"
 
 namespace pelorus::graph {
 
 namespace {
 
 using host::element;
-
-const char* message_name(std::uint32_t kind) {
-    switch (kind) {
-        case PLR_MESSAGE_SCAN:
-            return "scan";
-        case PLR_MESSAGE_TRACKS:
-            return "tracks";
-        case PLR_MESSAGE_TRUTH:
-            return "truth";
-        case PLR_MESSAGE_VALUES:
-            return "values";
-        case PLR_MESSAGE_TABLE:
-            return "table";
-        default:
-            return "an unknown kind of message";
-    }
-}
 
 std::vector<std::string> port_names(const plr_port* ports, std::uint32_t count) {
     std::vector<std::string> names;
@@ -71,7 +55,8 @@ private:
                 read_port(index, port, described, *from);
             else if ((described.flags & PLR_PORT_OPTIONAL) == 0)
                 problems_.add(node.part->use_where, node.name + ": the in port '" + described.name + "' (" +
-                                                        message_name(described.message) + ") is not connected");
+                                                        host::message_kind_name(described.message) +
+                                                        ") is not connected");
         }
     }
 
@@ -134,8 +119,9 @@ private:
         edge.from_port = *found;
         const std::uint32_t carried = element(from.out_ports, static_cast<std::uint32_t>(*found)).message;
         if (carried == described.message) return true;
-        problems_.add(edge.where, label + ": expected " + message_name(described.message) + ", but " +
-                                      nodes_[edge.from].name + "." + port + " carries " + message_name(carried));
+        problems_.add(edge.where, label + ": expected " + host::message_kind_name(described.message) + ", but " +
+                                      nodes_[edge.from].name + "." + port + " carries " +
+                                      host::message_kind_name(carried));
         return false;
     }
 

@@ -1,4 +1,5 @@
-/// The kinds of plugin that this host knows, and the call table that each speaks. A new kind is one line here.
+/// The kinds of plugin that this host knows, and the call table that each speaks (a new kind is one line here), and the kinds of
+/// message that it carries.
 #pragma once
 
 #include <string_view>
@@ -35,6 +36,24 @@ constexpr const Kind* find_kind(std::string_view name) noexcept {
     for (const Kind& kind : kinds)
         if (name == kind.name) return &kind;
     return nullptr;
+}
+
+/// `scan`, `tracks`, ...; for people.
+constexpr const char* message_kind_name(std::uint32_t kind) noexcept {
+    switch (kind) {
+        case PLR_MESSAGE_SCAN:
+            return "scan";
+        case PLR_MESSAGE_TRACKS:
+            return "tracks";
+        case PLR_MESSAGE_TRUTH:
+            return "truth";
+        case PLR_MESSAGE_VALUES:
+            return "values";
+        case PLR_MESSAGE_TABLE:
+            return "table";
+        default:
+            return "an unknown kind of message";
+    }
 }
 
 }  // namespace pelorus::host

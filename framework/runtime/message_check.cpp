@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/kinds.hpp"
 #include "runtime/message_fields.hpp"
 
 namespace pelorus::runtime {
@@ -285,23 +286,6 @@ std::string stream_text(const char* sensor, const plr_space* space, const char* 
 
 }  // namespace
 
-std::string kind_name(std::uint32_t kind) {
-    switch (kind) {
-        case PLR_MESSAGE_SCAN:
-            return "scan";
-        case PLR_MESSAGE_TRACKS:
-            return "tracks";
-        case PLR_MESSAGE_TRUTH:
-            return "truth";
-        case PLR_MESSAGE_VALUES:
-            return "values";
-        case PLR_MESSAGE_TABLE:
-            return "table";
-        default:
-            return fmt::format("message of kind {}", kind);
-    }
-}
-
 void check_message(const plr_message& message, CheckMemory& memory) {
     Checker("message").check_struct(&message);
     switch (message.kind) {
@@ -356,7 +340,7 @@ void check_stream(const plr_message& message, const std::vector<plr_stream>& dec
             return;
     }
     for (const plr_stream& stream : declared) offers += "; " + stream_text(stream.sensor, stream.space, stream.frame);
-    throw BadMessage(fmt::format("the {} has {}, but the port declared {}", kind_name(message.kind),
+    throw BadMessage(fmt::format("the {} has {}, but the port declared {}", host::message_kind_name(message.kind),
                                  stream_text(sensor, space, frame), offers.substr(2)));
 }
 

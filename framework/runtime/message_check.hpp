@@ -20,9 +20,6 @@ private:
     std::int64_t item_;
 };
 
-/// `scan`, `tracks`, ... ; "message of kind 9" for what nobody knows.
-std::string kind_name(std::uint32_t kind);
-
 /// Memory for the test whether ids are unique; kept by the caller so that it is allocated once.
 struct CheckMemory {
     struct Entry {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/kinds.hpp"
 #include "host/plugin_error.hpp"
 #include "runtime/message_copy.hpp"
 #include "runtime/time_text.hpp"
@@ -168,7 +169,8 @@ MessageRef StageRunner::take(std::uint32_t port, const plr_message& message) {
     const Wiring::Port& out = node_.out_ports[port];
     check_message(message, check_memory_);
     if (message.kind != out.message)
-        throw BadMessage(fmt::format("the port carries {}, not {}", kind_name(out.message), kind_name(message.kind)));
+        throw BadMessage(fmt::format("the port carries {}, not {}", host::message_kind_name(out.message),
+                                     host::message_kind_name(message.kind)));
     check_stream(message, out.streams);
     const std::int64_t arrival = message.arrival == INT64_MIN ? arrival_ : message.arrival;
     if (!is_source_ && arrival != arrival_)
