@@ -93,7 +93,7 @@ TEST_CASE("Edges that lead nowhere, or carry something else, are refused togethe
         "test.yaml:14:12: l: the in port 'scans' (scan) is not connected");
 }
 
-TEST_CASE("A circle of edges is refused and printed; previous() opens it", "[graph][edges]") {
+TEST_CASE("A circle of edges is refused and printed, and previous() opens it", "[graph][edges]") {
     Stages plugins;
     const std::string before = "  s: {use: source.plain}\n  a: {use: fusion.join, in: {scans: [s.scans, ";
     const std::string after =

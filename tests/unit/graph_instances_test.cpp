@@ -43,7 +43,7 @@ TEST_CASE("Parts are created before their holders and destroyed after them", "[g
     CHECK(plugins.destroyed == std::vector<std::string>(expected.rbegin(), expected.rend()));
 }
 
-TEST_CASE("A graph may be moved; its instances are destroyed once", "[graph][instances]") {
+TEST_CASE("A graph may be moved, and its instances are destroyed once", "[graph][instances]") {
     Pipeline plugins;
     {
         graph::Graph first = plugins.build(fakes::pipeline());

@@ -41,7 +41,7 @@ TEST_CASE("An override reaches parameters of nodes and parts, written in the fil
     CHECK(json["world"]["parts"]["sensors"]["radar"]["with"]["detection_probability"] == 0.5);
 }
 
-TEST_CASE("What a part is like follows the overrides of the other part; its own go over it", "[graph][overrides]") {
+TEST_CASE("What a part is like follows the overrides of the other part, and its own go over it", "[graph][overrides]") {
     Pipeline plugins;
     const auto noise = [](const nlohmann::ordered_json& graph) {
         return std::vector<double>{

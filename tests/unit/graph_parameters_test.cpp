@@ -198,7 +198,7 @@ void add_table(FakePlugin& plugin) {
 
 }  // namespace
 
-TEST_CASE("Tables are lists of maps; absent cells have defaults, NaN or no text", "[graph][parameters]") {
+TEST_CASE("Tables are lists of maps, and absent cells have defaults, NaN or no text", "[graph][parameters]") {
     OnePlugin one;
     add_table(one.plugin);
     REQUIRE(one.read("      legs:\n        - {duration: 2 min, mode: climb, note: up, bank: 10 deg}\n"

@@ -6,7 +6,7 @@
 using fakes::Table;
 using pelorus::runtime::ResultCollector;
 
-TEST_CASE("tables stand by node in file order, then by name; the same name replaces", "[runtime][results]") {
+TEST_CASE("tables stand by node in file order, then by name, and the same name replaces", "[runtime][results]") {
     ResultCollector collector;
     collector.collect(1, "shape", Table("b", {0, 1}).body);
     collector.collect(0, "errors", Table("z", {0, 1}).body);
