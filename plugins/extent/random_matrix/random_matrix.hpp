@@ -1,0 +1,237 @@
+/// extent.random_matrix, update `published` and `feldmann`: an inverse-Wishart extent beside an estimator. See README.md.
+#pragma once
+
+#include <optional>
+
+#include <pelorus/batch_model.hpp>
+
+#include "inverse_wishart.hpp"
+
+namespace random_matrix {
+
+enum class Rule { published, koch, feldmann };
+enum class InnovationSpread { trace, symmetrised, feldmann };
+
+struct Parameters {
+    Rule rule = Rule::published;
+    std::optional<InnovationSpread> innovation_spread;
+    Start start = Start::published;
+    double lambda = 1;
+    double decay = 0.1;                    // 1/s
+    std::optional<double> nominal_extent;  // m^2
+    int dimension = 3;
+};
+
+/// The one description of all classes of this plugin.
+template <class Plugin> void describe_parameters(pelorus::Describe<Plugin>& plugin) {
+    plugin.title("Random matrix")
+        .purpose(
+            "The shape of an extended target or group as an ellipsoid whose squared half axes are the eigenvalues of a "
+            "random "
+            "matrix, learned from the spread of its points. `published` and `feldmann` stand beside an estimator; "
+            "`koch` owns the "
+            "kinematics, too, and takes a motion in its own slot.")
+        .equation(
+            "v- = e^(-tau T) v, V- = V (v- - d - 1)/(v - d - 1), X = V/(v - 2d - 2); v = v- + n, V = V- + N + Z, with "
+            "N from the "
+            "centroid's innovation and Z from the scatter of the points, each as `update` says")
+        .source(
+            "W. Koch, Bayesian approach to extended object and cluster tracking using random matrices, IEEE "
+            "Transactions on "
+            "Aerospace and Electronic Systems 44(3), 2008; M. Feldmann, D. Fraenken, W. Koch, Tracking of extended "
+            "objects and "
+            "group targets using random matrices, IEEE Transactions on Signal Processing 59(4), 2011; Li et al., Radar "
+            "Science "
+            "and Technology 23(1), 2025");
+    plugin.parameter("update", &Parameters::rule)
+        .initially("published")
+        .choices(
+            {{"published", "Li et al. 2025: the scatter enters as it is, and the sensor's noise stays in the shape"},
+             {"koch",
+              "Koch 2008: shape and kinematics in one record, no sensor noise; takes a motion in slot `motion`"},
+             {"feldmann", "Feldmann, Fraenken, Koch 2011: the sensor's noise is taken out of innovation and scatter"}})
+        .doc("how points change the shape");
+    plugin.parameter("innovation_spread", &Parameters::innovation_spread)
+        .choices({{"trace", "N = e e' tr(X-)/tr(S)"},
+                  {"symmetrised", "N = (S^-1 e e' + e e' S^-1)/2, the printed formula made symmetric"},
+                  {"feldmann", "N = X-^1/2 S^-1/2 e e' S^-1/2 X-^1/2"}})
+        .doc("reading of the innovation's share N; update published only, there trace if absent");
+    plugin.parameter("start", &Parameters::start)
+        .initially("published")
+        .choices(
+            {{"published", "one scan: V0 is its undivided scatter, v0 = 2d + 3; the shape is far too large at first"},
+             {"consistent", "two scans: the sensor's noise is taken out of their common scatter"}})
+        .doc("how the shape begins");
+    plugin.parameter("lambda", &Parameters::lambda)
+        .initially("1")
+        .above(0)
+        .doc(
+            "covariance of points over the extent matrix: 1 for Gaussian points, 1/5 for a uniform ellipsoid, 1/4 for "
+            "a uniform ellipse");
+    plugin.parameter("decay", &Parameters::decay)
+        .unit("1/s")
+        .initially("0.1 1/s")
+        .min(0)
+        .doc("rate tau at which what is known of the shape is forgotten");
+    plugin.parameter("dimension", &Parameters::dimension).initially("3").min(2).max(3).doc("axes: x, y[, z]");
+    plugin.parameter("nominal_extent", &Parameters::nominal_extent)
+        .unit("m2")
+        .above(0)
+        .doc(
+            "extent by which a covariance is divided to become a multiple of the extent; update koch only, there 50 m2 "
+            "if absent");
+    plugin.slot("motion", "motion", 0, 1, "update koch only: a motion F1 (x) I, Q1 (x) I");
+    plugin.slot("sensors", "sensor", 0, -1, "update koch only: the sensors whose scans the tracker converts to points");
+}
+
+/// The random matrix beside an estimator.
+template <int D> class RandomMatrix : public pelorus::Extent<RandomMatrix<D>>, public Parameters {
+public:
+    using Shape = InverseWishart<D>;
+
+    static void describe(pelorus::Describe<RandomMatrix>& plugin) { describe_parameters(plugin); }
+
+    void setup(const pelorus::Setup& setup) {
+        for (const char* slot : {"motion", "sensors"})
+            if (!setup.parts<pelorus::Part<plr_motion>>(slot).empty())
+                throw pelorus::PartError(
+                    slot, "is for update: koch; with this update the estimator beside the extent has it");
+        if (nominal_extent) throw pelorus::ParameterError("nominal_extent", "is for update: koch only");
+        if (innovation_spread && rule != Rule::published)
+            throw pelorus::ParameterError("innovation_spread", "is for update: published only");
+        reading_ =
+            rule == Rule::feldmann ? InnovationSpread::feldmann : innovation_spread.value_or(InnovationSpread::trace);
+        this->info.dimension = D;
+        this->info.start_scans = start == Start::consistent ? 2 : 1;
+        this->info.start_points = random_matrix::start_points<D>(start);
+        this->info.record_version = 1;
+        this->info.record_size = Shape::record_size;
+    }
+
+    plr_status init(const plr_call& call, const plr_extent_init& args) const {
+        const std::int64_t count = args.record.count;
+        expect_start<D>(args.scan, args.scans, this->info.start_scans, count);
+        pelorus::expect(args.record, Shape::record_size, 1, count, "record");
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
+            begin_shape<D>(start, lambda, args.scan, i).write(args.record.data + i * args.record.item_stride);
+        });
+    }
+
+    plr_status predict(const plr_call& call, const plr_extent_predict& args) const {
+        const std::int64_t count = args.out.count;
+        pelorus::expect(args.dt, 1, 1, count, "dt");
+        expect_records(args.record, args.out);
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
+            Shape shape = shape_of(args.record, i);
+            shape.forget(decay, args.dt.data[i * args.dt.item_stride]);
+            shape.write(args.out.data + i * args.out.item_stride);
+        });
+    }
+
+    plr_status effective_noise(const plr_call& call, const plr_extent_effective_noise& args) const {
+        const std::int64_t count = args.out.count;
+        pelorus::expect(args.record, Shape::record_size, 1, count, "record");
+        pelorus::expect(args.noise, D, D, count, "noise");
+        pelorus::expect(args.number, 1, 1, count, "number");
+        pelorus::expect(args.out, D, D, count, "out");
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
+            const double number = args.number.data[i * args.number.item_stride];
+            if (!(number > 0)) throw pelorus::ArgumentError("number: must be above 0");
+            const Matrix<D> point =
+                point_covariance(shape_of(args.record, i).extent(), pelorus::load<D, D>(args.noise, i));
+            pelorus::store<D, D>(args.out, i, Matrix<D>(point / number));
+        });
+    }
+
+    plr_status update(const plr_call& call, const plr_extent_update& args) const {
+        const std::int64_t count = args.out.count;
+        expect_points<D>(args.scan, count);
+        pelorus::expect(args.innovation, D, 1, count, "innovation");
+        pelorus::expect(args.innovation_covariance, D, D, count, "innovation_covariance");
+        expect_records(args.record, args.out);
+        if (args.log_likelihood.data != nullptr) pelorus::expect(args.log_likelihood, 1, 1, count, "log_likelihood");
+        return pelorus::for_items(call, count, [&](std::int64_t i) { update_item(args, i); });
+    }
+
+    plr_status shape(const plr_call& call, const plr_extent_shape& args) const {
+        const std::int64_t count = args.matrix.count;
+        pelorus::expect(args.record, Shape::record_size, 1, count, "record");
+        pelorus::expect(args.matrix, D, D, count, "matrix");
+        return pelorus::for_items(call, count,
+                                  [&](std::int64_t i) { store_shape<D>(shape_of(args.record, i).extent(), args, i); });
+    }
+
+    plr_status gate(const plr_call& call, const plr_extent_gate& args) const {
+        const std::int64_t count = args.record.count;
+        expect_points<D>(args.scan, count);
+        pelorus::expect(args.record, Shape::record_size, 1, count, "record");
+        pelorus::expect(args.predicted, D, 1, count, "predicted");
+        pelorus::expect(args.covariance, D, D, count, "covariance");
+        pelorus::expect(args.squared_distance, 1, 1, args.scan.offsets[count], "squared_distance");
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
+            const Matrix<D> common =
+                lambda * shape_of(args.record, i).extent() + pelorus::load<D, D>(args.covariance, i);
+            const Vector<D> centre = pelorus::load<D, 1>(args.predicted, i);
+            store_distances<D>(args.scan, i, centre, common, args.squared_distance);
+        });
+    }
+
+private:
+    static Shape shape_of(const plr_const_view& record, std::int64_t i) {
+        return Shape::read(record.data + i * record.item_stride);
+    }
+    static void expect_records(const plr_const_view& record, const plr_view& out) {
+        pelorus::expect(record, Shape::record_size, 1, out.count, "record");
+        pelorus::expect(out, Shape::record_size, 1, out.count, "out");
+    }
+    Matrix<D> point_covariance(const Matrix<D>& extent, const Matrix<D>& noise) const {
+        return lambda * extent + noise;
+    }
+
+    void update_item(const plr_extent_update& args, std::int64_t i) const {
+        Shape shape = shape_of(args.record, i);
+        const Scatter<D> scatter = scatter_of<D>(args.scan, i);
+        double log_likelihood = 0;
+        if (scatter.points > 0) {
+            const Matrix<D> predicted = shape.extent();
+            const Matrix<D> point = point_covariance(predicted, scatter.noise);
+            const Vector<D> innovation = pelorus::load<D, 1>(args.innovation, i);
+            const Matrix<D> covariance = pelorus::load<D, D>(args.innovation_covariance, i);
+            shape.degrees += scatter.number;
+            shape.scale += innovation_share(predicted, innovation, covariance);
+            shape.scale += rule == Rule::feldmann ? whitened<D>(predicted, point, scatter.sum) : scatter.sum;
+            pelorus::small::symmetrise(shape.scale);
+            // The symmetrised print is indefinite: a large innovation could turn the scale so, too.
+            if (reading_ == InnovationSpread::symmetrised)
+                shape.scale = with_floor<D>(shape.scale, least_relative_eigenvalue * shape.scale.trace() / D);
+            if (args.log_likelihood.data != nullptr) log_likelihood = log_spread(scatter, point);
+        }
+        shape.write(args.out.data + i * args.out.item_stride);
+        if (args.log_likelihood.data != nullptr)
+            pelorus::store<1, 1>(args.log_likelihood, i, Matrix<1>::Constant(log_likelihood));
+    }
+
+    /// N, in m^2 (the symmetrised print: a pure number that is added as m^2).
+    Matrix<D> innovation_share(const Matrix<D>& predicted, const Vector<D>& innovation,
+                               const Matrix<D>& covariance) const {
+        const Matrix<D> outer = innovation * innovation.transpose();
+        switch (reading_) {
+            case InnovationSpread::trace:
+                return outer * (predicted.trace() / covariance.trace());
+            case InnovationSpread::symmetrised: {
+                Matrix<D> root, solved = outer;
+                if (!pelorus::small::cholesky(covariance, root)) throw not_definite();
+                pelorus::small::cholesky_solve(root, solved);
+                return 0.5 * (solved + solved.transpose());
+            }
+            case InnovationSpread::feldmann:
+                return whitened<D>(predicted, covariance, outer);
+        }
+        return Matrix<D>::Zero();
+    }
+
+    static constexpr double least_relative_eigenvalue = 1e-3;
+    InnovationSpread reading_ = InnovationSpread::trace;
+};
+
+}  // namespace random_matrix

@@ -1,0 +1,294 @@
+/// source.simulation: trajectories seen by sensor models. See README.md.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pelorus/stage.hpp>
+
+#include "simulated_sensor.hpp"
+#include "target.hpp"
+#include "ticks.hpp"
+
+namespace simulation {
+
+class Simulation : public pelorus::Stage<Simulation> {
+public:
+    static constexpr const char* kind = "source";
+    static constexpr std::uint32_t scans_port = 0, truth_port = 1;
+
+    static void describe(pelorus::Describe<Simulation>& plugin) {
+        plugin.title("Simulation")
+            .purpose(
+                "Targets move along trajectories, sensors measure them: each with a model of its own, and the sensors "
+                "are the very "
+                "models that trackers use. Publishes truth and scans. All random numbers are keyed by what they are "
+                "for, so that "
+                "results do not depend on order, threads or what else is simulated.")
+            .equation("z = h(p + e) + chol(R) u; e ~ N(0, X) for the points of an extent, u standard normal");
+        plugin.out_port("scans", PLR_MESSAGE_SCAN, "what the sensors measure, one scan a sensor and tick");
+        plugin.out_port("truth", PLR_MESSAGE_TRUTH, "what really is, at every tick, before the scans of that tick");
+        plugin.in_port("commands", PLR_MESSAGE_VALUES, "waveforms for sensors, values of the models' inputs",
+                       PLR_PORT_OPTIONAL | PLR_PORT_MANY);
+        plugin.parameter("period", &Simulation::period_).unit("s").initially("1 s").above(0).doc("from tick to tick");
+        plugin.parameter("scans", &Simulation::scans_).min(1).doc("number of ticks, k = 0 included; or give duration");
+        plugin.parameter("duration", &Simulation::duration_)
+            .unit("s")
+            .min(0)
+            .doc("time of the last tick, instead of scans");
+        plugin.parameter("first_scan", &Simulation::first_scan_)
+            .initially("0")
+            .min(0)
+            .doc("first tick of each sensor at which it measures; before, scans are empty");
+        plugin.parameter("covariances", &Simulation::covariances_)
+            .initially("true")
+            .doc("tell the measurements' covariances in the scans; else trackers take those of their sensor models");
+        describe_targets(plugin);
+        describe_sensors(plugin);
+    }
+
+    void setup(const pelorus::Setup& setup) {
+        const auto& description = pelorus::Describe<Simulation>::of();
+        draws_ = Draws(setup.service<plr_random>(), setup.key());
+        std::uint64_t next_object = 1, scratch = 0;
+        for (const auto& part : setup.parts<pelorus::TrajectoryPart>("targets")) {
+            targets_.emplace_back(part, description.slot_values<TargetValues>(part.raw()), next_object);
+            next_object += static_cast<std::uint64_t>(part.info().objects);
+            scratch = std::max(scratch, part.info().scratch_bytes);
+        }
+        for (const auto& part : setup.parts<pelorus::SensorPart>("sensors")) {
+            sensors_.emplace_back(part, description.slot_values<SensorValues>(part.raw()));
+            scratch = std::max(scratch, sensors_.back().scratch_bytes());
+            for (const Target& target : targets_) sensors_.back().check(target);
+        }
+        caller_.setup(setup, static_cast<std::size_t>(scratch) + 4096);
+        make_clocks();
+        make_truth_space();
+        frame_ = setup.frame();
+        truth_ = std::make_unique<pelorus::TruthBuilder>(frame_, space_, extent_dimension_);
+        for (const SimulatedSensor& sensor : sensors_)
+            builders_.emplace_back(sensor.name(), frame_, sensor.measurement());
+        for (Target& target : targets_) target.realise(caller_, draws_);
+    }
+
+    std::vector<pelorus::Stream> out_streams(std::uint32_t port) const {
+        std::vector<pelorus::Stream> streams;
+        if (port == truth_port) return {{"", false, space_, false, frame_, false, false}};
+        for (const SimulatedSensor& sensor : sensors_)
+            streams.push_back({sensor.name(), false, sensor.measurement(), false, frame_, false, false});
+        return streams;
+    }
+
+    plr_next next() const {
+        if (event_ == times_.size()) return {sizeof(plr_next), PLR_NEXT_END, 0, 0};
+        const std::int64_t time = times_[static_cast<std::size_t>(event_)];
+        return {sizeof(plr_next), PLR_NEXT_DATA, time, time};
+    }
+
+    void on_values(const pelorus::Event&, const plr_values& values) {
+        int known = caller_.take(values);
+        const char* at = reinterpret_cast<const char*>(values.quantities);
+        for (std::uint32_t i = 0; i < values.count; ++i) {
+            const auto& quantity = *reinterpret_cast<const plr_quantity*>(at);
+            for (SimulatedSensor& sensor : sensors_) known += sensor.take(quantity);
+            at += quantity.struct_size;
+        }
+        if (known == 0)
+            throw pelorus::DataError("no sensor takes this command, and no model has an input of that name");
+    }
+
+    void emit(const pelorus::Event& event) {
+        if (event_ == times_.size()) throw pelorus::ArgumentError("the simulation has ended");
+        load_block();
+        const std::int64_t time = times_[static_cast<std::size_t>(event_)];
+        std::vector<std::vector<Object>> objects(targets_.size());
+        std::vector<std::vector<std::vector<std::uint64_t>>> origins(targets_.size());
+        for (std::size_t t = 0; t < targets_.size(); ++t) {
+            targets_[t].collect(static_cast<std::int64_t>(event_ % block), objects[t]);
+            origins[t].resize(objects[t].size());
+        }
+        std::vector<std::size_t> due;
+        for (std::size_t s = 0; s < sensors_.size(); ++s)
+            if (scan(s, time, objects, origins)) due.push_back(s);
+        tell_truth(time, objects, origins);
+        for (const std::size_t s : due) publish(scans_port, builders_[s].message(event.time));
+        ++event_;
+    }
+
+    template <class Archive> void state(Archive& archive) {
+        archive(event_, ticks_, next_id_, caller_);
+        for (Target& target : targets_) target.state(archive);
+        for (SimulatedSensor& sensor : sensors_) sensor.state(archive);
+        if constexpr (Archive::reading) {
+            block_loaded_ = no_block;
+            if (event_ > times_.size() || ticks_.size() != sensors_.size())
+                throw pelorus::DataError("saved state is of another simulation");
+        }
+    }
+
+private:
+    static constexpr std::uint64_t block = 64, no_block = ~std::uint64_t{0};
+
+    static void describe_targets(pelorus::Describe<Simulation>& plugin) {
+        plugin.slot("targets", "trajectory", 1, -1, "what moves");
+        plugin.slot_parameter("points_per_scan", &TargetValues::points_per_scan)
+            .initially("0")
+            .min(0)
+            .doc("points that the object's extent gives to each scan; 0: its own position is measured, once");
+        plugin.slot_parameter("detection_probability", &TargetValues::detection_probability)
+            .initially("1")
+            .min(0)
+            .max(1)
+            .doc("of each point, times that of the sensor");
+        plugin.slot_parameter("spread", &TargetValues::spread)
+            .initially("gaussian")
+            .choices({{"gaussian", "points are N(0, X) about the centre"}, {"uniform", "uniform within the ellipsoid"}})
+            .doc("how points lie on the extent X");
+    }
+
+    static void describe_sensors(pelorus::Describe<Simulation>& plugin) {
+        plugin.slot("sensors", "sensor", 1, -1, "what measures; scans bear the part's name");
+        plugin.slot_parameter("period", &SensorValues::period)
+            .unit("s")
+            .above(0)
+            .doc("from scan to scan; absent: the simulation's");
+        plugin.slot_parameter("detection_probability", &SensorValues::detection_probability)
+            .initially("1")
+            .min(0)
+            .max(1)
+            .doc("of each point");
+        plugin.slot_parameter("false_alarms", &SensorValues::false_alarms)
+            .initially("0")
+            .min(0)
+            .doc("mean number of false alarms a scan (Poisson), uniform in the box of clutter_min and clutter_max");
+        plugin.slot_parameter("clutter_min", &SensorValues::clutter_min)
+            .unit("m")
+            .rows(1, 3)
+            .doc("lowest corner of the box of space in which false alarms arise");
+        plugin.slot_parameter("clutter_max", &SensorValues::clutter_max)
+            .unit("m")
+            .rows(1, 3)
+            .doc("highest corner of that box");
+        plugin.slot_parameter("drop", &SensorValues::drop)
+            .initially("0")
+            .min(0)
+            .max(1)
+            .doc("probability that a whole scan is lost, so that nothing is published for it");
+        plugin.slot_parameter("shared_error", &SensorValues::shared_error)
+            .initially("false")
+            .doc("one error a scan that all its points share, instead of one a point; scans tell the same covariances");
+    }
+
+    void make_clocks() {
+        if (scans_.has_value() == duration_.has_value())
+            throw pelorus::ParameterError("scans", "give either scans or duration");
+        const Clock own(period_);
+        const double seconds = duration_ ? *duration_ : static_cast<double>(*scans_ - 1) * period_;
+        if (!(seconds < 9e9))
+            throw pelorus::ParameterError(duration_ ? "duration" : "scans", "goes beyond what ns can count (9e9 s)");
+        const std::int64_t end =
+            duration_ ? std::llround(seconds * 1e9) : own.time(static_cast<std::uint64_t>(*scans_ - 1));
+        for (const SimulatedSensor& sensor : sensors_) clocks_.emplace_back(sensor.values().period.value_or(period_));
+        times_ = all_ticks(clocks_, end);
+        ticks_.assign(sensors_.size(), 0);
+    }
+
+    /// The components that all targets have, in the first one's order.
+    void make_truth_space() {
+        std::vector<pelorus::Component> common;
+        for (const auto& component : targets_.front().space().components()) {
+            bool everywhere = true;
+            for (const Target& target : targets_) everywhere = everywhere && target.space().index(component.name) >= 0;
+            if (everywhere) common.push_back(component);
+        }
+        space_ = pelorus::Space(common);
+        for (const Target& target : targets_) {
+            if (target.axes() != targets_.front().axes())
+                throw pelorus::PartError("targets", "targets " + targets_.front().name() + " and " + target.name() +
+                                                        " move on different numbers of axes");
+            extent_dimension_ = std::max(extent_dimension_, target.extent_dimension());
+        }
+    }
+
+    /// States are asked for in blocks that lie at fixed places, so that a resumed run asks for the same ones.
+    void load_block() {
+        const std::uint64_t wanted = event_ / block;
+        if (wanted == block_loaded_) return;
+        const std::uint64_t first = wanted * block, count = std::min<std::uint64_t>(block, times_.size() - first);
+        for (Target& target : targets_)
+            target.load_block(caller_, times_.data() + first, static_cast<std::int64_t>(count));
+        block_loaded_ = wanted;
+    }
+
+    /// Makes the scan of sensor s if it is due and not lost.
+    bool scan(std::size_t s, std::int64_t time, const std::vector<std::vector<Object>>& objects,
+              std::vector<std::vector<std::vector<std::uint64_t>>>& origins) {
+        SimulatedSensor& sensor = sensors_[s];
+        if (clocks_[s].time(ticks_[s]) != time) return false;
+        const std::uint64_t tick = ticks_[s]++;
+        if (sensor.dropped(draws_, tick)) return false;
+        pelorus::ScanBuilder& builder = builders_[s];
+        builder.clear();
+        sensor.tell_waveform(time, builder);
+        if (tick < static_cast<std::uint64_t>(first_scan_)) return true;
+        for (std::size_t t = 0; t < targets_.size(); ++t) {
+            std::vector<std::vector<std::uint64_t>*> to;
+            for (auto& list : origins[t]) to.push_back(&list);
+            sensor.measure(caller_, draws_, time, tick, targets_[t], objects[t], next_id_, covariances_, builder, to);
+        }
+        sensor.add_clutter(caller_, draws_, time, tick, next_id_, covariances_, builder);
+        return true;
+    }
+
+    void tell_truth(std::int64_t time, const std::vector<std::vector<Object>>& objects,
+                    const std::vector<std::vector<std::vector<std::uint64_t>>>& origins) {
+        truth_->clear();
+        const auto d = static_cast<std::size_t>(extent_dimension_);
+        const std::vector<double> point(d * d, 0.0);  // the extent of an object that has none, where others have one
+        for (std::size_t t = 0; t < targets_.size(); ++t)
+            for (std::size_t k = 0; k < objects[t].size(); ++k) {
+                const Object& object = objects[t][k];
+                std::vector<double> state;
+                for (const auto& component : space_.components())
+                    state.push_back(object.state[targets_[t].space().index(component.name)]);
+                pelorus::TruthEntry entry;
+                entry.id = object.id;
+                entry.time = time;
+                entry.state = state.data();
+                entry.extent = object.extent != nullptr ? object.extent : point.data();
+                entry.parent = object.parent;
+                entry.birth = object.birth;
+                entry.measurements = origins[t][k];
+                truth_->add(entry);
+            }
+        publish(truth_port, truth_->message(time));
+    }
+
+    double period_ = 1;
+    std::optional<std::int64_t> scans_;
+    std::optional<double> duration_;
+    std::int64_t first_scan_ = 0;
+    bool covariances_ = true;
+
+    Draws draws_;
+    pelorus::Caller caller_;
+    std::vector<Target> targets_;
+    std::vector<SimulatedSensor> sensors_;
+    std::vector<Clock> clocks_;
+    std::vector<std::int64_t> times_;  ///< of all events
+    pelorus::Space space_;
+    int extent_dimension_ = 0;
+    std::string frame_;
+    std::unique_ptr<pelorus::TruthBuilder> truth_;
+    std::vector<pelorus::ScanBuilder> builders_;
+    std::uint64_t block_loaded_ = no_block;
+
+    // What save keeps.
+    std::uint64_t event_ = 0;
+    std::vector<std::uint64_t> ticks_;  ///< next tick of each sensor
+    std::uint64_t next_id_ = 1;
+};
+
+}  // namespace simulation

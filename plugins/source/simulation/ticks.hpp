@@ -1,0 +1,42 @@
+/// When things happen: tick k of a period lies at round(k x period), in ns, never accumulated.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <pelorus/failure.hpp>
+
+namespace simulation {
+
+/// One clock. A period is held in ns as a double (0.05 s is 5e7 exactly), so that the product is exact up to 2^53.
+class Clock {
+public:
+    explicit Clock(double period_seconds) : period_(period_seconds * 1e9) {}
+    std::int64_t time(std::uint64_t tick) const noexcept {
+        return std::llround(static_cast<long double>(tick) * static_cast<long double>(period_));
+    }
+
+private:
+    double period_;
+};
+
+/// The times (ns, ascending, each once) of all ticks up to and including `end`. Throws ParameterError where there are too many to keep.
+inline std::vector<std::int64_t> all_ticks(const std::vector<Clock>& clocks, std::int64_t end) {
+    constexpr std::size_t most = 100'000'000;
+    std::vector<std::int64_t> times;
+    for (const Clock& clock : clocks)
+        for (std::uint64_t k = 0; clock.time(k) <= end; ++k) {
+            if (times.size() == most)
+                throw pelorus::ParameterError(
+                    "period", "is too short for a run of this duration: more than " + std::to_string(most) + " ticks");
+            times.push_back(clock.time(k));
+        }
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    return times;
+}
+
+}  // namespace simulation

@@ -1,0 +1,181 @@
+/// trajectory.legs: an object that flies straight lines and arcs. See README.md.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <pelorus/batch_model.hpp>
+
+#include "path.hpp"
+
+namespace legs {
+
+struct Row {
+    std::optional<double> duration;  // s
+    double turn_rate = 0;            // rad/s
+    double acceleration = 0;         // m/s2
+};
+
+class Legs : public pelorus::Trajectory<Legs> {
+public:
+    static void describe(pelorus::Describe<Legs>& plugin) {
+        plugin.title("Legs")
+            .purpose(
+                "An object that flies legs of constant turn rate and constant acceleration along its track: straight "
+                "lines, exact "
+                "arcs, spirals. It may be an ellipsoid whose first half axis points where it flies.")
+            .equation(
+                "v = (s + a t) (cos g cos(h + w t), cos g sin(h + w t), sin g), p its exact integral; X = a^2 u u' + "
+                "b^2 l l' + c^2 "
+                "n n' with u along v, l to the left, n normal to both");
+        plugin.parameter("start", &Legs::start_)
+            .unit("m")
+            .rows(2, 3)
+            .doc("position at birth; its length is the number of axes");
+        plugin.parameter("speed", &Legs::speed_)
+            .unit("m/s")
+            .min(0)
+            .doc("speed over ground, with heading; or give velocity");
+        plugin.parameter("heading", &Legs::heading_)
+            .unit("rad")
+            .doc("direction over ground, from +x towards +y; 0 if absent");
+        plugin.parameter("climb", &Legs::climb_).unit("m/s").doc("vertical speed, up; 0 if absent");
+        plugin.parameter("velocity", &Legs::velocity_)
+            .unit("m/s")
+            .rows(2, 3)
+            .doc("velocity at birth as a vector, instead of speed, heading and climb");
+        auto legs = plugin.table("legs", &Legs::rows_);
+        legs.initially("[]").doc(
+            "what it does, one leg after the other; then straight on. None: straight on from the start");
+        legs.column("duration", &Row::duration)
+            .unit("s")
+            .above(0)
+            .doc("how long; the last leg's may be absent: for ever");
+        legs.column("turn_rate", &Row::turn_rate)
+            .unit("rad/s")
+            .initially("0 rad/s")
+            .doc("change of heading, positive to the left");
+        legs.column("acceleration", &Row::acceleration)
+            .unit("m/s2")
+            .initially("0 m/s2")
+            .doc("change of the speed along the track, climb included");
+        plugin.parameter("semi_axes", &Legs::semi_axes_)
+            .unit("m")
+            .above(0)
+            .rows(2, 3)
+            .doc("half axes along the velocity, to its left, and normal to both; absent: a point");
+        plugin.parameter("birth", &Legs::birth_).unit("s").initially("0 s").min(0).doc("when it appears, at `start`");
+        plugin.parameter("death", &Legs::death_).unit("s").above(0).doc("from when on it is gone; absent: never");
+    }
+
+    void setup(const pelorus::Setup&) {
+        axes_ = static_cast<int>(start_.size());
+        if (semi_axes_) check_length("semi_axes", semi_axes_->size());
+        path_.build(first(), legs());
+        birth_ns_ = nanoseconds("birth", birth_);
+        if (death_ && *death_ <= birth_) throw pelorus::ParameterError("death", "must be after birth");
+        death_ns_ = death_ ? nanoseconds("death", *death_) : std::numeric_limits<std::int64_t>::max();
+        space_ = pelorus::kinematic_space(axes_, {1e6, 1e3, 1e2});
+        info.state = space_.c();
+        info.objects = 1;
+        info.extent_dimension = semi_axes_ ? axes_ : 0;
+        info.record_version = 1;
+        info.record_size = 0;  // nothing about it is random
+    }
+
+    void realise(const plr_call&, const plr_view& record) const { pelorus::expect(record, 0, 1, 1, "record"); }
+
+    void states(const plr_call&, const plr_trajectory_states& args) const {
+        pelorus::expect(args.states, 3 * axes_, args.time_count, 1, "states");
+        if (args.extents.data != nullptr) pelorus::expect(args.extents, axes_ * axes_, args.time_count, 1, "extents");
+        args.ids[0] = 0;
+        args.parents[0] = -1;
+        args.births[0] = birth_ns_;
+        args.deaths[0] = death_ns_;
+        for (std::int64_t t = 0; t < args.time_count; ++t) {
+            double* state = args.states.data + t * args.states.col_stride;
+            double* extent = args.extents.data == nullptr ? nullptr : args.extents.data + t * args.extents.col_stride;
+            const std::int64_t time = args.times[t];
+            if (time < birth_ns_ || time >= death_ns_) {
+                std::fill_n(state, 3 * axes_, std::numeric_limits<double>::quiet_NaN());
+                if (extent != nullptr) std::fill_n(extent, axes_ * axes_, std::numeric_limits<double>::quiet_NaN());
+                continue;
+            }
+            const Motion motion = path_.at(static_cast<double>(time - birth_ns_) * 1e-9);
+            std::copy_n(motion.position, axes_, state);
+            std::copy_n(motion.velocity, axes_, state + axes_);
+            std::copy_n(motion.acceleration, axes_, state + 2 * axes_);
+            if (extent != nullptr) write_extent(motion, extent);
+        }
+    }
+
+private:
+    static std::int64_t nanoseconds(const char* parameter, double seconds) {
+        if (!(seconds < 9e9))
+            throw pelorus::ParameterError(parameter, "is beyond what a clock of nanoseconds can tell (9e9 s)");
+        return std::llround(seconds * 1e9);
+    }
+    void check_length(const char* parameter, std::size_t size) const {
+        if (static_cast<int>(size) != axes_)
+            throw pelorus::ParameterError(
+                parameter, "has " + std::to_string(size) + " elements, start has " + std::to_string(axes_));
+    }
+
+    Path::Start first() const {
+        Path::Start out;
+        std::copy(start_.begin(), start_.end(), out.position);
+        double level = speed_.value_or(0), rise = climb_.value_or(0);
+        out.heading = heading_.value_or(0);
+        if (velocity_) {
+            if (speed_ || heading_ || climb_)
+                throw pelorus::ParameterError("velocity",
+                                              "stands instead of speed, heading and climb; give one or the other");
+            check_length("velocity", velocity_->size());
+            const std::vector<double>& v = *velocity_;
+            level = std::hypot(v[0], v[1]);
+            rise = axes_ == 3 ? v[2] : 0;
+            out.heading = level > 0 ? std::atan2(v[1], v[0]) : 0;
+        } else if (!speed_) {
+            throw pelorus::ParameterError("speed", "is missing; give speed and heading, or velocity");
+        }
+        if (axes_ == 2 && rise != 0) throw pelorus::ParameterError("climb", "needs a third axis; start has two");
+        out.speed = std::hypot(level, rise);
+        out.climb_angle = out.speed > 0 ? std::atan2(rise, level) : 0;
+        return out;
+    }
+
+    std::vector<Leg> legs() const {
+        std::vector<Leg> out;
+        for (const Row& row : rows_)
+            out.push_back(
+                {row.duration.value_or(std::numeric_limits<double>::infinity()), row.turn_rate, row.acceleration});
+        return out;
+    }
+
+    void write_extent(const Motion& motion, double* extent) const {
+        const double* const directions[3] = {motion.along, motion.left, motion.up};
+        for (int col = 0; col < axes_; ++col)
+            for (int row = 0; row < axes_; ++row) {
+                double sum = 0;
+                for (int k = 0; k < axes_; ++k) {
+                    const double half_axis = (*semi_axes_)[static_cast<std::size_t>(k)];
+                    sum += half_axis * half_axis * directions[k][row] * directions[k][col];
+                }
+                extent[col * axes_ + row] = sum;
+            }
+    }
+
+    std::vector<double> start_;
+    std::optional<double> speed_, heading_, climb_, death_;
+    std::optional<std::vector<double>> velocity_, semi_axes_;
+    std::vector<Row> rows_;
+    double birth_ = 0;
+
+    int axes_ = 3;
+    std::int64_t birth_ns_ = 0, death_ns_ = 0;
+    Path path_;
+    pelorus::Space space_;
+};
+
+}  // namespace legs
