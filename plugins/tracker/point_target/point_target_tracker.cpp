@@ -1,0 +1,352 @@
+#include "point_target_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "starts.hpp"
+
+namespace point_target {
+
+namespace {
+
+std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+}  // namespace
+
+void PointTargetTracker::setup(const pelorus::Setup& setup) {
+    if (start_confirm > start_of)
+        throw pelorus::ParameterError("start_confirm", "is greater than start_of; no track would ever be confirmed");
+    if (misses == Misses::by_time && !silence)
+        throw pelorus::ParameterError("silence", "is required with misses: by_time; nothing else would end a track");
+    models_.setup(setup, gate_probability);
+    if (start == Start::two_point) {
+        const auto full = [&](const SensorModel& sensor) { return sensor.axes == models_.axes(); };
+        if (std::none_of(models_.sensors().begin(), models_.sensors().end(), full))
+            throw pelorus::PartError("estimator", "no sensor tells a whole position, which start: two_point needs");
+        for (int axis = 0; axis < models_.axes(); ++axis)
+            if (models_.velocity(axis) < 0)
+                throw pelorus::PartError("estimator", "has no velocity on every axis, which start: two_point needs");
+    }
+    gating_.setup(maximum_speed);
+    tracks_.setup(models_.record_size());
+    frame_ = setup.frame();
+    message_.emplace(frame_, models_.cartesian());
+    diagnostics_ = setup.optional_service<plr_diagnostics>();
+}
+
+std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) const {
+    std::vector<pelorus::Stream> streams;
+    if (port != scans) return streams;
+    for (const SensorModel& sensor : models_.sensors()) {
+        pelorus::Stream stream;
+        stream.sensor = sensor.name;
+        stream.any_sensor = sensor.name.empty() && models_.sensors().size() == 1;
+        stream.space = pelorus::Space(*sensor.part.info().measurement);
+        stream.frame = frame_;
+        streams.push_back(std::move(stream));
+    }
+    return streams;
+}
+
+std::vector<pelorus::Stream> PointTargetTracker::out_streams(std::uint32_t) const {
+    pelorus::Stream stream;
+    stream.space = models_.cartesian();
+    stream.frame = frame_;
+    return {stream};
+}
+
+void PointTargetTracker::on_values(const pelorus::Event&, const plr_values& values) {
+    if (models_.caller().take(values) == 0) throw pelorus::DataError("holds no input of the models in this tracker");
+}
+
+void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& scan) {
+    scan_time_ = event.time;
+    models_.begin(scan_time_, step_ + 1);
+    count("refused_measurements", read_scan(models_, scan, scan_time_, detections_));
+    ++step_;
+    late_ = newest_ && scan_time_ < *newest_;
+    outcomes_.assign(tracks_.size(), Outcome{});
+    taken_.assign(detections_.size(), 0);
+    gating_.run(models_, tracks_, detections_, scan_time_, predicts_all());
+    associate_tracks(true);
+    associate_tracks(false);
+    associate_points();
+    update_tracks();
+    start_tracks();
+    settle();
+    summarise();
+    publish_tracks(event.time);
+    std::vector<char> marked;
+    for (const Outcome& outcome : outcomes_) marked.push_back(outcome.removed ? 1 : 0);
+    tracks_.remove(marked);
+    newest_ = std::max(newest_.value_or(scan_time_), scan_time_);
+}
+
+/// Whether tracks without a detection are predicted to the scan's time, too: to count a miss, to be published, or now and then
+/// to see how uncertain they have become.
+bool PointTargetTracker::predicts_all() {
+    if (late_) return false;
+    if (misses == Misses::per_scan || publish_which == Publish::all) return true;
+    if (!maximum_deviation || (next_sweep_ && scan_time_ < *next_sweep_)) return false;
+    next_sweep_ = scan_time_ + nanoseconds(*silence / 20);
+    return true;
+}
+
+/// Confirmed tracks choose first, so that a track that is a false alarm takes nothing from them.
+void PointTargetTracker::associate_tracks(bool confirmed) {
+    std::vector<GatedPair> pairs;
+    for (const GatedPair& pair : gating_.pairs())
+        if (tracks_[pair.track].confirmed() == confirmed && taken_[pair.detection] == 0) pairs.push_back(pair);
+    if (pairs.empty()) return;
+    for (const std::size_t i : associate(pairs, detections_.sensor->gate)) {
+        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false};
+        taken_[pairs[i].detection] = 1;
+    }
+}
+
+/// Single points find their second one among the detections that are left.
+void PointTargetTracker::associate_points() {
+    std::vector<GatedPair> pairs;
+    double widest = 0;
+    for (const GatedPair& pair : gating_.point_pairs()) {
+        if (taken_[pair.detection] != 0 || detections_.sensor->axes != models_.axes()) continue;
+        pairs.push_back(pair);
+        widest = std::max(widest, pair.distance);  // the reach is the gate
+    }
+    if (pairs.empty()) return;
+    std::vector<TwoPoints> chosen;
+    std::vector<std::size_t> tracks;
+    for (const std::size_t i : associate(pairs, widest)) {
+        taken_[pairs[i].detection] = 1;
+        chosen.push_back({&tracks_[pairs[i].track], pairs[i].detection});
+        tracks.push_back(pairs[i].track);
+    }
+    std::vector<double> records;
+    Failures failed;
+    start_from_two(models_, detections_, chosen, records, failed);
+    const std::size_t size = models_.record_size();
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        Outcome& outcome = outcomes_[tracks[i]];
+        if (failed[i] != 0) {
+            count("numeric_failures", 1);
+            outcome.removed = true;
+            continue;
+        }
+        std::copy(records.data() + i * size, records.data() + (i + 1) * size, tracks_.record(tracks[i]));
+        tracks_[tracks[i]].has_record = true;
+        outcome.detection = chosen[i].second;
+    }
+}
+
+void PointTargetTracker::update_tracks() {
+    std::vector<std::size_t> tracks;
+    std::vector<std::uint64_t> ids;
+    std::vector<double> records, measurements, noises;
+    const std::size_t size = models_.record_size();
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+        const Outcome& outcome = outcomes_[t];
+        if (!outcome.hit() || outcome.prediction == none) continue;
+        tracks.push_back(t);
+        ids.push_back(tracks_[t].id);
+        const double* record = gating_.predicted(outcome.prediction);
+        const double* z = detections_.measurement_of(outcome.detection);
+        const double* r = detections_.noise_of(outcome.detection);
+        const std::size_t m = detections_.m();
+        records.insert(records.end(), record, record + size);
+        measurements.insert(measurements.end(), z, z + m);
+        noises.insert(noises.end(), r, r + m * m);
+    }
+    if (tracks.empty()) return;
+    Failures failed;
+    models_.update(*detections_.sensor, tracks.size(), ids.data(), measurements.data(), noises.data(), records.data(),
+                   failed);
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+        if (failed[i] == 0) {
+            std::copy(records.data() + i * size, records.data() + (i + 1) * size, tracks_.record(tracks[i]));
+        } else {  // as if it had not been seen
+            outcomes_[tracks[i]] = Outcome{};
+            count("numeric_failures", 1);
+        }
+    }
+}
+
+/// Every detection that nobody has taken begins a track, unless it comes too late to tell of a new object.
+void PointTargetTracker::start_tracks() {
+    std::vector<std::size_t> starting;
+    std::vector<std::uint64_t> ids;
+    std::size_t too_late = 0;
+    for (std::size_t j = 0; j < detections_.size(); ++j) {
+        if (taken_[j] != 0) continue;
+        if (newest_ && detections_.times[j] < *newest_) {
+            ++too_late;
+        } else if (start == Start::one_point ? detections_.sensor->locates()
+                                             : detections_.sensor->axes == models_.axes()) {
+            starting.push_back(j);
+            ids.push_back(next_id_ + ids.size());
+        }
+    }
+    count("late_measurements", too_late);
+    if (starting.empty()) return;
+    if (start == Start::two_point) {
+        for (const std::size_t j : starting) add_track(j, nullptr);
+        return;
+    }
+    std::vector<double> records;
+    Failures failed;
+    start_from_one(models_, detections_, starting, ids, records, failed);
+    for (std::size_t i = 0; i < starting.size(); ++i)
+        if (failed[i] == 0)
+            add_track(starting[i], records.data() + i * models_.record_size());
+        else
+            count("numeric_failures", 1);
+}
+
+void PointTargetTracker::add_track(std::size_t detection, const double* record) {
+    Track track;
+    track.id = next_id_++;
+    track.has_record = record != nullptr;
+    track.time = track.seen = detections_.times[detection];
+    track.place = detections_.places[detection];
+    track.deviation = detections_.deviations[detection];
+    if (record == nullptr) track.covariance = place_covariance(detections_, detection);
+    track.hits = track.scans = 0;  // settle() counts this scan
+    tracks_.add(track, record);
+    outcomes_.push_back({detection, none, 0, false, false});
+    count("tracks_started", 1);
+}
+
+/// Counts hits and misses, confirms and ends.
+void PointTargetTracker::settle() {
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+        Track& track = tracks_[t];
+        Outcome& outcome = outcomes_[t];
+        if (counts_scans()) ++track.scans;
+        if (outcome.hit()) {
+            ++track.hits;
+            track.misses = 0;
+            track.time = track.seen = detections_.times[outcome.detection];
+            const std::int32_t before = track.status;
+            if (track.confirmed() || (track.hits >= start_confirm && track.has_record))
+                track.status = PLR_TRACK_CONFIRMED;
+            outcome.changed = track.status != before;
+        } else {
+            settle_miss(t);
+        }
+        outcome.removed = outcome.removed || has_ended(track);
+    }
+}
+
+void PointTargetTracker::settle_miss(std::size_t t) {
+    Track& track = tracks_[t];
+    Outcome& outcome = outcomes_[t];
+    if (gating_.failed(t)) {
+        count("numeric_failures", 1);
+        outcome.removed = true;
+        return;
+    }
+    if (!counts_scans()) return;
+    ++track.misses;
+    if (track.status == PLR_TRACK_CONFIRMED) {
+        track.status = PLR_TRACK_COASTING;
+        outcome.changed = true;
+    }
+    const std::size_t prediction = gating_.at_scan_time(t);
+    if (prediction == none) return;
+    const double* record = gating_.predicted(prediction);
+    std::copy(record, record + models_.record_size(), tracks_.record(t));
+    track.time = scan_time_;
+}
+
+bool PointTargetTracker::has_ended(const Track& track) const {
+    if (silence && scan_time_ - track.seen > nanoseconds(*silence)) return true;
+    if (!counts_scans()) return false;
+    if (track.confirmed()) return track.misses >= misses_to_delete;
+    return track.hits + start_of - track.scans < start_confirm;
+}
+
+/// Means and covariances of all tracks that were updated or are to be published; those that have become too uncertain end.
+void PointTargetTracker::summarise() {
+    wanted_.clear();
+    std::vector<std::uint64_t> ids;
+    std::vector<double> records;
+    const std::size_t size = models_.record_size();
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+        const Track& track = tracks_[t];
+        const Outcome& outcome = outcomes_[t];
+        const std::size_t ahead =
+            !outcome.hit() && !outcome.removed && track.time < scan_time_ ? gating_.at_scan_time(t) : none;
+        const bool judged = maximum_deviation && !outcome.hit() && (ahead != none || track.time == scan_time_);
+        if (!track.has_record || !(outcome.hit() || is_published(t) || judged)) continue;
+        const double* record = ahead == none ? tracks_.record(t) : gating_.predicted(ahead);
+        wanted_.push_back({t, ahead == none ? track.time : scan_time_});
+        ids.push_back(track.id);
+        records.insert(records.end(), record, record + size);
+    }
+    const std::size_t n = wanted_.size(), c = static_cast<std::size_t>(models_.cartesian().size());
+    means_.resize(n * c);
+    covariances_.resize(n * c * c);
+    if (n == 0) return;
+    Failures failed;
+    models_.summary(n, ids.data(), records.data(), means_.data(), covariances_.data(), failed);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (failed[i] != 0) throw pelorus::NumericError(models_.caller().explain("summary"));
+        remember(wanted_[i].track, means_.data() + i * c, covariances_.data() + i * c * c);
+    }
+}
+
+void PointTargetTracker::remember(std::size_t t, const double* mean, const double* covariance) {
+    Track& track = tracks_[t];
+    const auto c = static_cast<std::size_t>(models_.cartesian().size());
+    double trace = 0;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(models_.axes()); ++a) trace += covariance[a * c + a];
+    const double deviation = std::sqrt(trace);
+    if (outcomes_[t].hit()) {
+        std::copy(mean, mean + models_.axes(), track.place.begin());
+        track.deviation = deviation;
+    } else if (maximum_deviation && deviation > *maximum_deviation) {
+        outcomes_[t].removed = true;
+    }
+}
+
+bool PointTargetTracker::is_published(std::size_t t) const {
+    const Track& track = tracks_[t];
+    const Outcome& outcome = outcomes_[t];
+    if (!track.has_record) return false;
+    if (outcome.removed) return track.told;
+    if (!track.confirmed() && tentative == Tentative::hide) return false;
+    return outcome.hit() || outcome.changed || (publish_which == Publish::all && !late_);
+}
+
+void PointTargetTracker::publish_tracks(std::int64_t time) {
+    message_->clear();
+    const auto c = static_cast<std::size_t>(models_.cartesian().size());
+    for (std::size_t i = 0; i < wanted_.size(); ++i) {
+        const std::size_t t = wanted_[i].track;
+        if (!is_published(t)) continue;
+        Track& track = tracks_[t];
+        const Outcome& outcome = outcomes_[t];
+        pelorus::TrackEntry entry;
+        entry.id = track.id;
+        entry.time = wanted_[i].time;
+        entry.status = outcome.removed                       ? std::int32_t{PLR_TRACK_DELETED}
+                       : track.confirmed() && !outcome.hit() ? std::int32_t{PLR_TRACK_COASTING}
+                                                             : track.status;
+        entry.misses = track.misses;
+        entry.mean = means_.data() + i * c;
+        entry.covariance = covariances_.data() + i * c * c;
+        if (outcome.hit()) {
+            entry.measurements = {detections_.ids[outcome.detection]};
+            entry.distances = {outcome.distance};
+        }
+        message_->add(entry);
+        track.told = true;
+    }
+    publish(0, message_->message(time));
+}
+
+void PointTargetTracker::count(const char* name, std::size_t by) const {
+    if (diagnostics_ != nullptr && by > 0)
+        diagnostics_->count(diagnostics_->context, name, static_cast<std::int64_t>(by));
+}
+
+}  // namespace point_target

@@ -1,0 +1,107 @@
+/// tracker.point_target: many point targets by gating and global nearest neighbour. See README.md.
+#pragma once
+
+#include <optional>
+
+#include <pelorus/stage.hpp>
+
+#include "gating.hpp"
+
+namespace point_target {
+
+enum class Start { one_point, two_point };
+enum class Misses { per_scan, by_time };
+enum class Publish { updated, all };
+enum class Tentative { hide, show };
+
+struct Parameters {
+    double gate_probability = 0, maximum_speed = 0;  // -, m/s
+    Start start = Start::one_point;
+    int start_confirm = 3, start_of = 5, misses_to_delete = 5;
+    Misses misses = Misses::per_scan;
+    std::optional<double> silence, maximum_deviation;  // s, m
+    Publish publish_which = Publish::updated;
+    Tentative tentative = Tentative::hide;
+};
+
+class PointTargetTracker : public pelorus::Stage<PointTargetTracker>, public Parameters {
+public:
+    static constexpr const char* kind = "tracker";
+    enum InPort : std::uint32_t { scans, inputs };
+
+    static void describe(pelorus::Describe<PointTargetTracker>& plugin);
+    void setup(const pelorus::Setup& setup);
+    std::vector<pelorus::Stream> in_streams(std::uint32_t port) const;
+    std::vector<pelorus::Stream> out_streams(std::uint32_t port) const;
+
+    void on_scan(const pelorus::Event& event, const plr_scan& scan);
+    void on_values(const pelorus::Event& event, const plr_values& values);
+
+    template <class Archive> void state(Archive& archive) {
+        std::uint64_t record_size = models_.record_size();
+        std::uint32_t record_version = models_.record_version();
+        archive(record_size, record_version);
+        if (record_size != models_.record_size() || record_version != models_.record_version())
+            throw pelorus::Failure(PLR_E_STATE_VERSION, "saved tracks have records of another estimator (version " +
+                                                            std::to_string(record_version) + ", this one has " +
+                                                            std::to_string(models_.record_version()) + ")");
+        archive(tracks_, next_id_, step_, newest_, next_sweep_, models_.caller());
+    }
+
+private:
+    static constexpr std::size_t none = Gating::none;
+    /// What happens to a track in a scan.
+    struct Outcome {
+        std::size_t detection = none;   ///< taken
+        std::size_t prediction = none;  ///< that it was taken from
+        double distance = 0;
+        bool changed = false;  ///< of another status than before
+        bool removed = false;
+        bool hit() const noexcept { return detection != none; }
+    };
+    /// A track of which mean and covariance are wanted, and where they come from.
+    struct Wanted {
+        std::size_t track;
+        std::int64_t time;
+    };
+
+    // A scan, step by step.
+    bool predicts_all();
+    void associate_tracks(bool confirmed);
+    void associate_points();
+    void update_tracks();
+    void start_tracks();
+    void add_track(std::size_t detection, const double* record);
+    void settle();
+    void settle_miss(std::size_t track);
+    bool has_ended(const Track& track) const;
+    void summarise();
+    void remember(std::size_t track, const double* mean, const double* covariance);
+    bool is_published(std::size_t track) const;
+    void publish_tracks(std::int64_t time);
+
+    bool counts_scans() const noexcept { return misses == Misses::per_scan && !late_; }
+    void count(const char* name, std::size_t by) const;
+
+    Models models_;
+    std::string frame_;
+    std::optional<pelorus::TracksBuilder> message_;
+    const plr_diagnostics* diagnostics_ = nullptr;
+
+    // the scan at hand
+    std::int64_t scan_time_ = 0;
+    bool late_ = false;
+    Detections detections_;
+    Gating gating_;
+    std::vector<Outcome> outcomes_;  // by track
+    std::vector<char> taken_;        // by detection
+    std::vector<Wanted> wanted_;
+    std::vector<double> means_, covariances_;  // of `wanted_`
+
+    // state
+    TrackStore tracks_;
+    std::uint64_t next_id_ = 1, step_ = 0;
+    std::optional<std::int64_t> newest_, next_sweep_;  // ns
+};
+
+}  // namespace point_target
