@@ -1,0 +1,62 @@
+// `pelorus check`: builds the graph and runs nothing.
+#include <fmt/format.h>
+
+#include "cli/command.hpp"
+#include "cli/config_flags.hpp"
+#include "cli/output.hpp"
+#include "graph/graph.hpp"
+#include "host/error.hpp"
+
+namespace pelorus::cli {
+
+namespace {
+
+std::string counted(std::size_t number, const std::string& noun) {
+    return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
+const char* port_name(const plr_port* ports, std::size_t index) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(ports);
+    return reinterpret_cast<const plr_port*>(bytes + index * ports->struct_size)->name;
+}
+
+/// `scans <- world.scans`
+std::string edge_text(const graph::Graph& graph, const graph::Edge& edge) {
+    const graph::Node& from = graph.nodes()[edge.from];
+    const std::string source = fmt::format("{}.{}", from.name, port_name(from.description().out_ports, edge.from_port));
+    return fmt::format("{} <- {}", port_name(graph.nodes()[edge.to].description().in_ports, edge.to_port),
+                       edge.previous ? "previous(" + source + ")" : source);
+}
+
+int check(const CommandLine& line) {
+    host::Catalog catalog(plugin_folders(line));
+    const graph::Document document = load_document(line);
+    const graph::Graph graph = graph::Graph::build(document, catalog, {});
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+        std::string edges;
+        for (const graph::Edge& edge : graph.edges())
+            if (edge.to == i) edges += (edges.empty() ? "" : ", ") + edge_text(graph, edge);
+        rows.push_back({graph.nodes()[i].name, graph.nodes()[i].plugin->file.id, edges});
+    }
+    print(fmt::format("{}: good: {}, {}, {}\n{}", line.argument(0), counted(graph.nodes().size(), "node"),
+                      counted(graph.edges().size(), "edge"), counted(graph.plugins().size(), "plugin"),
+                      aligned(rows, 2)));
+    return static_cast<int>(Exit::done);
+}
+
+}  // namespace
+
+Command check_command() {
+    return {"check",
+            "check wiring and values of a config, run nothing",
+            "Reads CONFIG, loads the plugins that it names, checks every key and value against what the plugins say of "
+            "themselves, makes all instances and joins the nodes. All that is wrong is told at once, one line each, "
+            "FILE:LINE:COLUMN: what was expected.",
+            {{"CONFIG"}, config_flags(), {}},
+            {{"pelorus check configs/airship.yaml", "is it good?"},
+             {"pelorus check c.yaml --set tracker.estimator.motion=~", "is it still, without that part?"}},
+            &check};
+}
+
+}  // namespace pelorus::cli

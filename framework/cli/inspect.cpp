@@ -1,0 +1,167 @@
+// `pelorus inspect`: one plugin, laid out for people.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.hpp"
+#include "cli/config_flags.hpp"
+#include "cli/output.hpp"
+#include "cli/plugin_json.hpp"
+#include "host/error.hpp"
+
+namespace pelorus::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string section(const std::string& heading, const std::string& body) {
+    return body.empty() ? "" : "\n" + heading + "\n" + body;
+}
+
+std::string prose(const std::string& heading, const Json& text) {
+    return section(heading, wrapped(text.get<std::string>(), 2));
+}
+
+/// `1`, `1 to 3`, `1 or more`
+std::string range_text(const Json& range) {
+    const int least = range["min"];
+    if (!range.contains("max")) return least == 0 ? "any number" : fmt::format("{} or more", least);
+    const int most = range["max"];
+    return least == most ? std::to_string(least) : fmt::format("{} to {}", least, most);
+}
+
+/// `vector of 3 [m], default [0, 0, 0], at least 0`
+std::string type_text(const Json& parameter) {
+    std::string text = parameter["type"].get<std::string>();
+    if (parameter.contains("cols"))
+        text += " of " + range_text(parameter["rows"]) + " by " + range_text(parameter["cols"]);
+    else if (parameter.contains("rows"))
+        text += " of " + range_text(parameter["rows"]) + (text == "table" ? " rows" : "");
+    if (parameter["unit"] != "") text += " [" + parameter["unit"].get<std::string>() + "]";
+    if (!parameter["default"].is_null())
+        text += ", default " + parameter["default"].get<std::string>();
+    else
+        text += parameter["required"].get<bool>() ? ", required" : ", optional";
+    for (const auto& [key, words] : {std::pair("min", "at least"), std::pair("above", "above"),
+                                     std::pair("max", "at most"), std::pair("below", "below")})
+        if (parameter.contains(key)) text += fmt::format(", {} {:g}", words, parameter[key].get<double>());
+    return text;
+}
+
+std::string parameters_text(const Json& parameters, std::size_t indent) {
+    std::string text;
+    for (const Json& parameter : parameters) {
+        text += fmt::format("{:{}}{}: {}\n", "", indent, parameter["name"].get<std::string>(), type_text(parameter));
+        text += wrapped(parameter["doc"].get<std::string>(), indent + 4);
+        if (parameter.contains("choices"))
+            for (const Json& choice : parameter["choices"]) {
+                const std::string doc = choice["doc"];
+                text += wrapped(choice["name"].get<std::string>() + (doc.empty() ? "" : ": " + doc), indent + 4);
+            }
+        if (parameter.contains("columns"))
+            text += fmt::format("{:{}}columns\n", "", indent + 4) + parameters_text(parameter["columns"], indent + 6);
+    }
+    return text;
+}
+
+std::string space_text(const Json& space) {
+    Rows rows;
+    for (const Json& component : space) {
+        const bool angle = component.contains("angle");
+        std::string prior;
+        if (component.contains("prior") && component["prior"]["deviation"].get<double>() > 0)
+            prior = fmt::format("prior {:g} +- {:g}", component["prior"]["mean"].get<double>(),
+                                component["prior"]["deviation"].get<double>());
+        rows.push_back(
+            {component["name"].get<std::string>(), component["unit"].get<std::string>(), angle ? "angle" : "", prior});
+    }
+    return aligned(rows, 2);
+}
+
+std::string instance_text(const Json& instance) {
+    if (instance.contains("unavailable"))
+        return section(
+            "spaces",
+            wrapped("depend on its parts or on required parameters: " + instance["unavailable"].get<std::string>(), 2));
+    std::string text;
+    if (instance.contains("spaces"))
+        for (const auto& [name, space] : instance["spaces"].items())
+            text += section(name + " space", space_text(space));
+    if (instance.contains("record") && instance["record"] != 0)
+        text += section("record", fmt::format("  {} doubles\n", instance["record"].get<std::int64_t>()));
+    std::string extensions;
+    if (instance.contains("extensions"))
+        for (const Json& id : instance["extensions"]) extensions += "  " + id.get<std::string>() + "\n";
+    return text + section("extensions", extensions);
+}
+
+std::string slots_text(const Json& slots) {
+    std::string text;
+    for (const Json& slot : slots) {
+        text += fmt::format("  {}: kind {}, parts: {}\n", slot["name"].get<std::string>(),
+                            slot["kind"].get<std::string>(), range_text(slot["parts"]));
+        text += wrapped(slot["doc"].get<std::string>(), 6);
+        if (!slot["parameters"].empty())
+            text += "      asks of each part, in its own `with`\n" + parameters_text(slot["parameters"], 8);
+    }
+    return text;
+}
+
+std::string ports_text(const Json& ports) {
+    Rows rows;
+    for (const Json& port : ports) {
+        std::string message = port["message"];
+        if (port["optional"].get<bool>()) message += ", optional";
+        if (port["many"].get<bool>()) message += ", several edges";
+        rows.push_back({port["name"].get<std::string>(), message, port["doc"].get<std::string>()});
+    }
+    return aligned(rows, 2);
+}
+
+std::string inputs_text(const Json& inputs) {
+    Rows rows;
+    for (const Json& input : inputs)
+        rows.push_back({input["name"].get<std::string>(), "[" + input["unit"].get<std::string>() + "]",
+                        "default " + input["default"].dump(), input["doc"].get<std::string>()});
+    return aligned(rows, 2);
+}
+
+std::string text(const Json& plugin) {
+    const auto string = [&](const char* key) { return plugin[key].get<std::string>(); };
+    return string("id") + ": " + string("title") + "\n" +
+           aligned({{"kind", string("kind") + " (" + string("tier") + ")"},
+                    {"version", string("version")},
+                    {"license", string("license")},
+                    {"library", string("library")}},
+                   2) +
+           prose("purpose", plugin["purpose"]) + prose("equation", plugin["equation"]) +
+           prose("source", plugin["source"]) + (plugin.contains("instance") ? instance_text(plugin["instance"]) : "") +
+           section("slots", slots_text(plugin["slots"])) + section("in ports", ports_text(plugin["in_ports"])) +
+           section("out ports", ports_text(plugin["out_ports"])) +
+           section("inputs (values that change while it runs)", inputs_text(plugin["inputs"])) +
+           section("parameters", parameters_text(plugin["parameters"], 2));
+}
+
+int inspect(const CommandLine& line) {
+    host::Catalog catalog(plugin_folders(line));
+    const Json plugin = plugin_json(catalog.load(line.argument(0)));
+    print(line.has("json") ? plugin.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text(plugin));
+    return static_cast<int>(Exit::done);
+}
+
+}  // namespace
+
+Command inspect_command() {
+    return {
+        "inspect",
+        "what one plugin does, and what it takes",
+        "Shows a plugin's purpose, equation and source, the spaces of an instance with default parameters, its slots, "
+        "ports and inputs, and its parameters with type, unit, default, range and choices.",
+        {{"ID"}, {{"json", "", "as JSON, for programs"}, plugins_flag()}, {}},
+        {{"pelorus list", "which ids there are"},
+         {"pelorus inspect org.example.motion.drag --plugins ./build", "one that was just built"}},
+        &inspect};
+}
+
+}  // namespace pelorus::cli

@@ -1,0 +1,7 @@
+#include "cli/command.hpp"
+#include "cli/output.hpp"
+
+int main(int argc, char** argv) {
+    pelorus::cli::prepare_streams();
+    return pelorus::cli::run_command_line({argv + 1, argv + argc});
+}

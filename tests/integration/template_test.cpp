@@ -1,0 +1,79 @@
+// Every kind of project that `pelorus new` makes: built out of tree against the installed SDK alone, put into a plugin folder,
+// run by a config that names it, while the host stays what it was.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+#include "project_build.hpp"
+
+using namespace pelorus::test;
+using Catch::Contains;
+
+namespace {
+
+/// A figure of the run that shows the plugin at work, and between what it lies if it works.
+struct Figure {
+    std::string name;
+    double least, most;
+};
+
+double value_of(const ProjectBuild& project, const std::string& name) {
+    const auto summary = nlohmann::json::parse(read_file(project.results() / "summary.json"));
+    return summary["cells"][0]["scalars"].at(name)["value"].get<double>();
+}
+
+bool provenance_names(const ProjectBuild& project, const std::string& id) {
+    const auto provenance = nlohmann::json::parse(read_file(project.results() / "provenance.json"));
+    for (const auto& plugin : provenance["plugins"])
+        if (plugin["id"] == id) return provenance["completed"] == true;
+    return false;
+}
+
+ProjectBuild check_kind(const std::string& kind, const Figure& figure) {
+    const std::string id = "org.example." + kind + ".mine", host_before = host_sha256();
+    const ProjectBuild project(kind, "mine");
+    project.build();
+    const Ended ended = project.run_config();
+    CAPTURE(ended.out, ended.err);
+    REQUIRE(ended.exit == 0);
+    CHECK_THAT(ended.err, !Contains("warning") && !Contains("error"));
+    CHECK(provenance_names(project, id));
+    if (!figure.name.empty()) {
+        CHECK(value_of(project, figure.name) >= figure.least);
+        CHECK(value_of(project, figure.name) <= figure.most);
+    }
+    CHECK(host_sha256() == host_before);
+
+    const Ended inspected = pelorus_command({"inspect", id, "--plugins", project.plugins().string()});
+    CHECK(inspected.exit == 0);
+    CHECK_THAT(inspected.out, Contains("\npurpose\n"));
+    return project;
+}
+
+// Sensor noise in these configs is 10 m on each axis (5 m in the source's).
+const Figure tracked = {"errors.position_rmse", 0.1, 15};
+const Figure passed = {"clock.passed", 100, 100};
+
+}  // namespace
+
+TEST_CASE("new motion: builds out of tree and runs") { check_kind("motion", tracked); }
+TEST_CASE("new sensor: builds out of tree and runs") { check_kind("sensor", tracked); }
+TEST_CASE("new estimator: builds out of tree and runs") { check_kind("estimator", tracked); }
+TEST_CASE("new extent: builds out of tree and runs") { check_kind("extent", {"shape.long_axis_error", 0.01, 1}); }
+TEST_CASE("new partitioner: builds out of tree and runs") { check_kind("partitioner", {"cells.mean_cells", 1.5, 2.5}); }
+TEST_CASE("new waveform: builds out of tree and runs") {
+    check_kind("waveform", {"scheduler.mean_choice", 0.11, 0.89});
+}
+TEST_CASE("new trajectory: builds out of tree and runs") {
+    check_kind("trajectory", {"errors.position_rmse", 0.1, 20});
+}
+TEST_CASE("new source: builds out of tree and runs") { check_kind("source", tracked); }
+TEST_CASE("new registration: builds out of tree and runs") { check_kind("registration", passed); }
+TEST_CASE("new fusion: builds out of tree and runs") { check_kind("fusion", passed); }
+TEST_CASE("new tracker: builds out of tree and runs") { check_kind("tracker", tracked); }
+TEST_CASE("new scheduler: builds out of tree and runs") { check_kind("scheduler", {"scheduler.commands", 90, 100}); }
+TEST_CASE("new analyzer: builds out of tree and runs") { check_kind("analyzer", {"count.mean_count", 0.6, 0.95}); }
+TEST_CASE("new sink: builds out of tree and runs") {
+    const ProjectBuild project = check_kind("sink", {"", 0, 0});
+    CHECK(count(read_file(project.results() / "mine.txt"), "\n") > 90);
+}
