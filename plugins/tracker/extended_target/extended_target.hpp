@@ -193,7 +193,7 @@ private:
                 tell_start(track, first, points);
             } else {
                 track.records = filter_->start(caller_, look, {&first}, {mean, start_covariance()});
-                tell(track, PLR_TRACK_CONFIRMED, first.ids);
+                tell(track, PLR_TRACK_CONFIRMED, first.ids, filter_->distances(caller_, look, first, track.records));
             }
         } catch (const pelorus::Failure& failure) {
             if (failure.code() != PLR_E_NUMERIC) throw;

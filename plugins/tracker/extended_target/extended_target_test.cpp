@@ -88,6 +88,9 @@ TEST_CASE("extended target: the published start differences two scans and begins
     variances << 25, 25, 25, 1, 1, 1, .25, .25, .25;
     CHECK((told[0].covariance - MatrixXd(variances.asDiagonal())).norm() < 1e-12);
     CHECK(told[0].measurements == std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7, 8});
+    const plr_tracks& tracks = run.bench.published[0].tracks();
+    REQUIRE(tracks.measurement_distances != nullptr);
+    for (int k = 0; k < 16; ++k) CHECK(tracks.measurement_distances[k] > 0);
     CHECK(told[1].time == second);
     CHECK(told[1].id == told[0].id);
     CHECK(told[1].status == PLR_TRACK_CONFIRMED);

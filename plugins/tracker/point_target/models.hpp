@@ -29,7 +29,7 @@ struct SensorModel {
     bool locates() const noexcept { return axes > 0; }
 };
 
-/// Fails of single items after a call.
+/// Which items of a batch failed in a call.
 using Failures = std::vector<char>;
 
 class Models {
@@ -83,7 +83,7 @@ private:
     void add_sensor(const plr_part& part, double gate_probability);
     const plr_call& start(std::size_t n, const std::uint64_t* ids);
     void finish(plr_status status, const char* what, std::size_t n, Failures& failed) const;
-    /// Sensors' calls have no ids, but keys where they draw.
+    /// For calls of sensors, whose items are no tracks.
     const plr_call& start(std::size_t n) { return start(n, nullptr); }
 
     pelorus::Caller caller_;

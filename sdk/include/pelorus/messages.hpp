@@ -109,6 +109,7 @@ public:
     }
     const std::int64_t* offsets() const noexcept { return offsets_.data(); }
     const std::uint64_t* ids() const noexcept { return ids_.data(); }
+    std::size_t count() const noexcept { return ids_.size(); }
 
 private:
     std::vector<std::int64_t> offsets_{0};
@@ -170,6 +171,9 @@ public:
 
     const plr_message& message(std::int64_t time) {
         const std::int64_t n = count(), c = space_.size(), d = extent_dimension_;
+        if (!distances_.empty() && distances_.size() != measurements_.count())
+            throw ArgumentError("distances are given for " + std::to_string(distances_.size()) + " of " +
+                                std::to_string(measurements_.count()) + " measurements; give all or none");
         tracks_ = {sizeof(plr_tracks),
                    0,
                    n,
