@@ -123,8 +123,12 @@ Exit tell_ending(const Ending& ending, const Request& request, const Interrupt& 
         tell(fmt::format("stopped by {} at {}{}", signal, reached, kept));
         return Exit::run_failed;
     }
-    if (request.stop_at_snapshot)
-        tell("stopped at the snapshot" + kept + "; go on with --resume " + request.out.string());
+    if (request.stop_at_snapshot && ending.outcome == runtime::Outcome::completed)
+        tell(fmt::format("the run ended at {}, before {}; the snapshot is of its end", reached,
+                         runtime::seconds_text(*request.snapshot_at)));
+    else if (request.stop_at_snapshot)
+        tell("stopped at the snapshot" + kept + "; go on with the same CONFIG, --set and --seed, and --resume " +
+             request.out.string());
     return Exit::done;
 }
 

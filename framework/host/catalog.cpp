@@ -115,6 +115,19 @@ const PluginFile* Catalog::find(const std::string& id) const noexcept {
     return found != plugins_.end() && found->id == id ? &*found : nullptr;
 }
 
+namespace {
+
+/// What was perhaps meant: a near id, else one that ends in the same name (`singer` for `motion.singer`).
+std::string likely(const std::string& id, const std::vector<std::string>& ids) {
+    std::string near = nearest(id, ids);
+    for (const std::string& candidate : ids)
+        if (near.empty() && candidate.substr(candidate.rfind('.') + 1) == id.substr(id.rfind('.') + 1))
+            near = candidate;
+    return near.empty() ? "" : " (did you mean " + near + "?)";
+}
+
+}  // namespace
+
 const PluginFile& Catalog::require(const std::string& id) const {
     const PluginFile* const file = find(id);
     if (file == nullptr) {
@@ -123,9 +136,7 @@ const PluginFile& Catalog::require(const std::string& id) const {
                 refuse("plugin " + id + " (" + rejected.library.string() + ") is not used: " + rejected.reason);
         std::vector<std::string> ids;
         for (const PluginFile& plugin : plugins_) ids.push_back(plugin.id);
-        const std::string near = nearest(id, ids);
-        refuse("no plugin " + id + (near.empty() ? "" : " (did you mean " + near + "?)") + "; searched " +
-               folder_names(folders_));
+        refuse("no plugin " + id + likely(id, ids) + "; searched " + folder_names(folders_));
     }
     const auto clash = clashes_.find(id);
     if (clash != clashes_.end())

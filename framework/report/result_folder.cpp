@@ -16,7 +16,14 @@ void prepare_folder(const std::filesystem::path& folder) {
         throw Error(Exit::run_failed,
                     "cannot make the result folder " + folder.string() + ": a file of that name is in the way");
     const std::filesystem::path trial = folder / ".writable";
-    write_file(trial, "");
+    try {
+        write_file(trial, "");
+    } catch (const Error& error) {
+        const std::string text = error.what();  // "cannot write PATH: REASON"; the user never named that path
+        const std::size_t colon = text.rfind(": ");
+        throw Error(error.exit(), "the result folder " + folder.string() + " cannot be written" +
+                                      (colon == std::string::npos ? "" : text.substr(colon)));
+    }
     std::filesystem::remove(trial, reason);
 }
 

@@ -23,7 +23,9 @@ const std::string config = PELORUS_SOURCE_DIR "/configs/airship.yaml";
 graph::Graph build(std::uint64_t run, const Sets& sets) {
     graph::BuildOptions options;
     options.run = run;
-    return graph::Graph::build(graph::Document::load(config, sets), catalog(), options);
+    Sets all = sets;
+    all.push_back({"files", "~"});  // these runs keep no files
+    return graph::Graph::build(graph::Document::load(config, all), catalog(), options);
 }
 
 runtime::Results results_of(std::uint64_t run, const Sets& sets) {

@@ -101,3 +101,19 @@ TEST_CASE("a plugin built by clang with libc++ runs in a pipeline, and its excep
     CHECK_THAT(refused.err, Contains("position.z, which the motion's state does not have"));
     CHECK(host_sha256() == host_before);
 }
+
+TEST_CASE("a motion that throws ends the run with its own words, one that has no result is warned of and counted") {
+    const TemporaryFolder folder;
+    const auto follow = [&](const std::string& failure) {
+        const std::string config = folder.write(
+            failure + ".yaml", turning_config("{use: org.example.motion.failing, with: {failure: " + failure + "}}"));
+        return pelorus_command({"run", config, "--out", folder / failure, "--plugins", PELORUS_TEST_PLUGINS});
+    };
+    const Ended thrown = follow("exception");
+    CHECK(thrown.exit == 1);
+    CHECK_THAT(thrown.err, Contains("node tracker (tracker.point_target)") && Contains("boom"));
+    const Ended numeric = follow("numeric");
+    CHECK(numeric.exit == 0);
+    CHECK_THAT(numeric.err, Contains("no such root") && Contains("numeric_failures"));
+    CHECK(count(numeric.err, "no such root") == 1);
+}

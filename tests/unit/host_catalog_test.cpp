@@ -103,6 +103,8 @@ TEST_CASE("An unknown id is answered with what was searched and the nearest id",
     const std::string error = error_of([&] { catalog.load("motion.godo"); });
     CHECK(error ==
           "no plugin motion.godo (did you mean motion.good?); searched " + fixture("good").parent_path().string());
+    CHECK(error_of([&] { catalog.load("good"); }) ==
+          "no plugin good (did you mean motion.good?); searched " + fixture("good").parent_path().string());
     Catalog empty({});
     CHECK(error_of([&] { empty.load("motion.good"); }) == "no plugin motion.good; searched no folder at all");
     try {

@@ -84,7 +84,7 @@ TEST_CASE("what is in the way of a result is told in one line, and nothing is le
         fs::create_directories(blocked);
         fs::permissions(blocked, fs::perms::owner_read | fs::perms::owner_exec);
         CHECK_THROWS_WITH(report::prepare_folder(folder),
-                          Catch::StartsWith("cannot write " + (folder / ".writable").string() + ": "));
+                          Catch::StartsWith("the result folder " + folder.string() + " cannot be written: "));
         fs::permissions(blocked, fs::perms::owner_all);
     }
 }

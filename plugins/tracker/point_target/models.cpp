@@ -89,10 +89,20 @@ const plr_call& Models::start(std::size_t n, const std::uint64_t* ids) {
     return caller_.begin(time_, wide(n), ids, keys_.empty() ? nullptr : keys_.data());
 }
 
-void Models::finish(plr_status status, const char* what, std::size_t n, Failures& failed) const {
+void Models::finish(plr_status status, const char* what, std::size_t n, Failures& failed) {
     failed.assign(n, 0);
     if (!caller_.tolerate(status, what)) return;
-    for (std::size_t i = 0; i < n; ++i) failed[i] = caller_.item_failed(i) ? 1 : 0;
+    const plr_call& call = caller_.call();
+    for (std::size_t i = 0; i < n; ++i) {
+        if (call.item_status[i] == PLR_OK) continue;
+        // A track may come to a numerical end; anything else is a fault of the model, and no track would be better off.
+        if (call.item_status[i] != PLR_E_NUMERIC) caller_.require(call.item_status[i], what);
+        failed[i] = 1;
+    }
+    if (told_failure_ || call.log == nullptr || PLR_LOG_WARNING < call.log->level) return;
+    told_failure_ = true;
+    const std::string line = "numerical failure (the first one; all are counted): " + caller_.explain(what);
+    call.log->write(call.log->context, PLR_LOG_WARNING, line.c_str());
 }
 
 void Models::predict(std::size_t n, const std::uint64_t* ids, const double* dt, double* records, Failures& failed) {

@@ -82,11 +82,13 @@ public:
 private:
     void add_sensor(const plr_part& part, double gate_probability);
     const plr_call& start(std::size_t n, const std::uint64_t* ids);
-    void finish(plr_status status, const char* what, std::size_t n, Failures& failed) const;
+    /// Takes over which items failed numerically, and warns of the first. Throws Failure for any other failure.
+    void finish(plr_status status, const char* what, std::size_t n, Failures& failed);
     /// For calls of sensors, whose items are no tracks.
     const plr_call& start(std::size_t n) { return start(n, nullptr); }
 
     pelorus::Caller caller_;
+    bool told_failure_ = false;
     pelorus::EstimatorPart estimator_;
     std::vector<SensorModel> sensors_;
     pelorus::Space cartesian_;

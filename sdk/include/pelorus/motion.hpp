@@ -79,7 +79,11 @@ public:
     void complete(const plr_config& config, const plr_description& description) {
         inputs_.complete(config, description);
         space_ = derived().space();
-        if constexpr (!Derived::cartesian) cartesian_ = derived().cartesian_space();
+        expect_size(space_, N, "space()");
+        if constexpr (!Derived::cartesian) {
+            cartesian_ = derived().cartesian_space();
+            expect_size(cartesian_, C, "cartesian_space()");
+        }
         info_ = {sizeof(plr_motion_info),
                  Derived::flags,
                  space_.c(),

@@ -82,11 +82,14 @@ public:
         inputs_.complete(config, description);
         measurement_ = derived().measurement_space();
         cartesian_ = derived().cartesian_space();
+        expect_size(measurement_, M, "measurement_space()");
+        expect_size(cartesian_, C, "cartesian_space()");
         for (int r = 0; r < M; ++r) angle_[static_cast<std::size_t>(r)] = measurement_[r].angle;
         const plr_space* inverse = nullptr;
         const plr_space* waveform = nullptr;
         if constexpr ((Derived::flags & PLR_SENSOR_CAN_INVERT) != 0) {
             inverse_ = derived().inverse_space();
+            expect_size(inverse_, Derived::inverse_size, "inverse_space()");
             inverse = inverse_.c();
         }
         if constexpr ((Derived::flags & PLR_SENSOR_WAVEFORM) != 0) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <pelorus/abi/space.h>
+#include <pelorus/failure.hpp>
 
 namespace pelorus {
 
@@ -83,6 +84,13 @@ private:
     std::vector<plr_component> raw_;
     plr_space space_{};
 };
+
+/// Throws ArgumentError unless a space that a class answers has the size that its template arguments promise.
+inline void expect_size(const Space& space, int size, const char* function) {
+    if (space.size() != size)
+        throw ArgumentError(std::string(function) + " has " + std::to_string(space.size()) +
+                            " components, the class says " + std::to_string(size));
+}
 
 /// Positions, then velocities, then accelerations, then jerks, over x, y, z: the canonical order.
 /// `deviations` holds a prior deviation for each derivative present (m, m/s, m/s2, m/s3).
