@@ -55,7 +55,7 @@ Command check_command() {
             "FILE:LINE:COLUMN: what was expected.",
             {{"CONFIG"}, config_flags(), {}},
             {{"pelorus check configs/airship.yaml", "is it good?"},
-             {"pelorus check c.yaml --set tracker.estimator.motion=~", "is it still, without that part?"}},
+             {"pelorus check c.yaml --set 'tracker.estimator.motion=~'", "is it still, without that part?"}},
             &check};
 }
 

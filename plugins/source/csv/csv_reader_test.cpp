@@ -91,7 +91,7 @@ TEST_CASE("CSV lines are counted through quoted line ends", "[source.csv]") {
 TEST_CASE("CSV is read from gzip as from plain text, told by the content", "[source.csv]") {
     const pelorus::test::TemporaryFolder folder;
     std::string text;
-    for (int i = 0; i < 50000; ++i) text += std::to_string(i) + "," + std::to_string(i * i) + "\n";
+    for (int i = 0; i < 50000; ++i) text += std::to_string(i) + "," + std::to_string(i % 977) + "\n";
     CsvReader plain(folder.write("a.gz", text), ',', ""), packed(folder.write_gzip("b.csv", text), ',', "");
     CHECK(rows_of(plain) == rows_of(packed));
 }
