@@ -4,7 +4,7 @@
  * constructors that register something would have run by then: have none.
  *
  * The manifest repeats the facts in the ELF section `pelorus`: an array of plr_manifest, one for each plugin of the library.
- * With it, `pelorus list` over a thousand libraries opens none of them.
+ * With it, a host that looks for one plugin among a thousand libraries opens that one alone.
  *
  * Draft ids: until an id reads `pelorus.KIND/1` its table may change; the number after `draft/` is then raised, and the host
  * refuses every other. From `/1` on a table is frozen for ever.
