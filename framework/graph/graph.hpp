@@ -53,7 +53,7 @@ public:
     /// Checks the whole document against the plugins' descriptions, creates all instances (parts before holders) and joins
     /// them. Throws ConfigError with everything found, each with file:line:column.
     ///
-    /// One run of the base config is built: `campaign:` is checked in its structure and otherwise left alone.
+    /// The catalog must outlive the graph. One run of the base config is built: `campaign:` is checked in its structure and otherwise left alone.
     static Graph build(const Document& document, host::Catalog& catalog, const BuildOptions& options);
     /// The same with plugins from elsewhere than a catalog.
     static Graph build(const Document& document, const PluginFinder& finder, const BuildOptions& options);

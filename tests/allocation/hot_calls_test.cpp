@@ -350,7 +350,7 @@ graph::Graph build(const std::string& text) {
     const auto file =
         std::filesystem::temp_directory_path() / ("pelorus_hot_calls_" + std::to_string(::getpid()) + ".yaml");
     std::ofstream(file) << text;
-    host::Catalog catalog({PELORUS_PLUGIN_DIR});
+    static host::Catalog catalog({PELORUS_PLUGIN_DIR});  // outlives the graphs, which use its plugins
     const auto document = graph::Document::load(file);
     std::filesystem::remove(file);
     return graph::Graph::build(document, catalog, {});

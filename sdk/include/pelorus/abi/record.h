@@ -20,7 +20,7 @@ typedef struct plr_record_convert {
 } plr_record_convert;
 
 static inline uint32_t plr_mix_version(uint32_t version, uint32_t of_part) {
-  return (version ^ of_part) * UINT32_C(16777619) + 1u;
+  return version * UINT32_C(16777619) + of_part;
 }
 
 #endif
