@@ -79,16 +79,7 @@ template <int D, Form form_> void Model<D, form_>::describe(pelorus::Describe<Mo
         .doc(
             "deviation of the increment of the acceleration in a step, one value or one an axis; form discrete only, "
             "there 1 m/s2 if absent");
-    plugin.parameter("prior_position", &Parameters::prior_position)
-        .unit("m")
-        .initially("1000 km")
-        .above(0.0)
-        .doc("deviation of a position component that nothing is known of, about 0");
-    plugin.parameter("prior_velocity", &Parameters::prior_velocity)
-        .unit("m/s")
-        .initially("100 m/s")
-        .above(0.0)
-        .doc("deviation of a velocity component that nothing is known of, about 0");
+    pelorus::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity);
     plugin.parameter("prior_acceleration", &Parameters::prior_acceleration)
         .unit("m/s2")
         .initially("10 m/s2")

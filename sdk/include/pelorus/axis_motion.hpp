@@ -77,4 +77,19 @@ private:
     }
 };
 
+/// Declares `prior_position` and `prior_velocity`, which all these models take.
+template <class Plugin, class Parameters>
+void describe_priors(Describe<Plugin>& plugin, double Parameters::*position, double Parameters::*velocity) {
+    plugin.parameter("prior_position", position)
+        .unit("m")
+        .initially("1000 km")
+        .above(0.0)
+        .doc("deviation of a position component that nothing is known of, about 0");
+    plugin.parameter("prior_velocity", velocity)
+        .unit("m/s")
+        .initially("100 m/s")
+        .above(0.0)
+        .doc("deviation of a velocity component that nothing is known of, about 0");
+}
+
 }  // namespace pelorus
