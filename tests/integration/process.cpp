@@ -73,6 +73,8 @@ bool Process::running() const {
     return ::waitid(P_PID, static_cast<::id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
 }
 
+std::string Process::errors() const { return fs::exists(files_ / "err") ? read_file(files_ / "err") : ""; }
+
 Ended Process::wait() {
     int status = 0;
     if (::waitpid(pid_, &status, 0) != pid_) throw std::runtime_error("a process got lost");

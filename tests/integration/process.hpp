@@ -34,6 +34,8 @@ public:
     void send(int signal) const;
     /// Whether it has not ended yet.
     bool running() const;
+    /// What it has said on standard error so far.
+    std::string errors() const;
     Ended wait();
 
 private:

@@ -35,7 +35,8 @@ class Rows {
 public:
     explicit Rows(std::vector<std::string> header) {
         for (std::size_t i = 0; i < header.size(); ++i)
-            if (!places_.emplace(header[i], i).second) throw BadFrame("has the column '" + shown(header[i]) + "' twice");
+            if (!places_.emplace(header[i], i).second)
+                throw BadFrame("has the column '" + shown(header[i]) + "' twice");
         if (header.front() != "pelorus")
             throw BadFrame("begins with neither { nor the column pelorus, but with '" + shown(header.front()) + "'");
     }
@@ -103,8 +104,8 @@ void read_envelope(Rows& rows, Datagram& datagram, bool first) {
     told.session = rows.optional_whole("session").value_or(0);
     told.sequence = rows.optional_whole("sequence");
     if (told.sequence && *told.sequence > std::uint64_t{1} << 62) throw BadFrame("sequence is beyond 2^62");
-    const bool same = told.sender == datagram.sender && told.session == datagram.session &&
-                      told.sequence == datagram.sequence;
+    const bool same =
+        told.sender == datagram.sender && told.session == datagram.session && told.sequence == datagram.sequence;
     if (!first && !same) throw BadFrame("sender, session and sequence are not those of the datagram's first row");
     datagram.sender = told.sender, datagram.session = told.session, datagram.sequence = told.sequence;
 }

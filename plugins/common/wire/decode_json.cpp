@@ -175,11 +175,12 @@ void read_scan(Reader& reader, const Vocabulary& vocabulary, Frame& frame) {
         if (!frame.covariances.empty()) throw BadFrame("covariances and covariance are both given");
         matrix(*common, size, "covariance", frame.covariances);
     }
-    column(reader, "snr", frame.rows(), [&](const json& v, const std::string& at) { frame.snr.push_back(number(v, at)); });
+    column(reader, "snr", frame.rows(),
+           [&](const json& v, const std::string& at) { frame.snr.push_back(number(v, at)); });
     if (const json* waveform = reader.find("waveform")) {
         if (sensor.waveform.size() == 0) throw BadFrame("waveform is given, but sensor " + frame.sensor + " has none");
-        numbers(*waveform, static_cast<std::size_t>(sensor.waveform.size()), "waveform",
-                ": " + sensor.waveform.text(), frame.waveform);
+        numbers(*waveform, static_cast<std::size_t>(sensor.waveform.size()), "waveform", ": " + sensor.waveform.text(),
+                frame.waveform);
     }
 }
 
@@ -192,7 +193,8 @@ void read_truth(Reader& reader, const Vocabulary& vocabulary, Frame& frame) {
     column(reader, "births_ns", frame.rows(),
            [&](const json& v, const std::string& at) { frame.births.push_back(time_ns(v, at)); });
     column(reader, "extents", frame.rows(), [&](const json& v, const std::string& at) {
-        if (!v.is_array() || v.empty() || v.size() > 3 || (frame.extent_dimension && v.size() != frame.extent_dimension))
+        if (!v.is_array() || v.empty() || v.size() > 3 ||
+            (frame.extent_dimension && v.size() != frame.extent_dimension))
             throw BadFrame(at + " is no matrix of 1 to 3 rows, the same for all");
         frame.extent_dimension = v.size();
         for (std::size_t r = 0; r < v.size(); ++r) numbers(v[r], v.size(), indexed(at, r), "", frame.extents);
@@ -218,8 +220,8 @@ void read_envelope(Reader& reader, Datagram& datagram, bool first) {
         told.sequence = whole(*sequence, "sequence");
         if (*told.sequence > std::uint64_t{1} << 62) throw BadFrame("sequence is beyond 2^62");
     }
-    const bool same = told.sender == datagram.sender && told.session == datagram.session &&
-                      told.sequence == datagram.sequence;
+    const bool same =
+        told.sender == datagram.sender && told.session == datagram.session && told.sequence == datagram.sequence;
     if (!first && !same) throw BadFrame("sender, session and sequence are not those of the datagram's first line");
     datagram.sender = told.sender, datagram.session = told.session, datagram.sequence = told.sequence;
 }

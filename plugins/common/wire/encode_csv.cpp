@@ -41,7 +41,11 @@ private:
 };
 
 Table& begin(Table& table, const Envelope& envelope, std::uint64_t sequence, const char* kind) {
-    return table.number(std::int64_t{version}).text(kind).text(envelope.sender).number(envelope.session).number(sequence);
+    return table.number(std::int64_t{version})
+        .text(kind)
+        .text(envelope.sender)
+        .number(envelope.session)
+        .number(sequence);
 }
 
 void write_header(Table& table, const plr_scan& scan, const pelorus::Space& space, bool parts) {

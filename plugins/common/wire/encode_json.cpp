@@ -82,7 +82,8 @@ public:
         list(key, share.first, share.last, [&](std::int64_t i) { vector(key, view, i); });
     }
     void vector(const char* key, const plr_const_view& view, std::int64_t i) {
-        items(0, view.rows, [&](std::int64_t r) { value(view.data[i * view.item_stride + r * view.row_stride], key, i); });
+        items(0, view.rows,
+              [&](std::int64_t r) { value(view.data[i * view.item_stride + r * view.row_stride], key, i); });
     }
     void matrices(const char* key, const plr_const_view& view, const Share& share) {
         list(key, share.first, share.last, [&](std::int64_t i) { matrix(key, view, i); });
@@ -100,9 +101,8 @@ public:
     }
     void lists(const char* key, const std::int64_t* offsets, const std::uint64_t* ids, const Share& share) {
         if (offsets == nullptr) return;
-        list(key, share.first, share.last, [&](std::int64_t i) {
-            items(offsets[i], offsets[i + 1], [&](std::int64_t k) { value(ids[k]); });
-        });
+        list(key, share.first, share.last,
+             [&](std::int64_t i) { items(offsets[i], offsets[i + 1], [&](std::int64_t k) { value(ids[k]); }); });
     }
 
     std::string end() { return text_ + "}\n"; }
@@ -126,8 +126,8 @@ void write_uncertainty(Line& line, const plr_const_view& covariance, Uncertainty
     if (uncertainty != Uncertainty::deviations) return;
     line.list("deviations", share.first, share.last, [&](std::int64_t i) {
         line.items(0, covariance.rows, [&](std::int64_t r) {
-            const double variance = covariance.data[i * covariance.item_stride + r * covariance.row_stride +
-                                                    r * covariance.col_stride];
+            const double variance =
+                covariance.data[i * covariance.item_stride + r * covariance.row_stride + r * covariance.col_stride];
             line.value(std::sqrt(variance), "deviations", i);
         });
     });
@@ -156,9 +156,8 @@ Datagrams json_scan(Envelope& envelope, Stamp stamp, const plr_scan& scan, std::
         line.column("ids", scan.ids, share);
         line.column("times_ns", scan.times, share);
         if (scan.snr.data != nullptr)
-            line.list("snr", share.first, share.last, [&](std::int64_t i) {
-                line.value(scan.snr.data[i * scan.snr.item_stride], "snr", i);
-            });
+            line.list("snr", share.first, share.last,
+                      [&](std::int64_t i) { line.value(scan.snr.data[i * scan.snr.item_stride], "snr", i); });
         if (scan.waveform.data != nullptr)
             line.list("waveform", 0, scan.waveform.rows, [&](std::int64_t r) {
                 line.value(scan.waveform.data[r * scan.waveform.row_stride], "waveform", r);
@@ -193,8 +192,10 @@ Datagrams json_tracks(Envelope& envelope, Stamp stamp, const plr_tracks& tracks,
         line.space(*tracks.space, tracks.frame);
         line.column("ids", tracks.ids, share);
         line.column("times_ns", tracks.times, share);
-        line.list("status", share.first, share.last, [&](std::int64_t i) { line.string(status_word(tracks.status[i])); });
-        line.list("misses", share.first, share.last, [&](std::int64_t i) { line.value(std::int64_t{tracks.misses[i]}); });
+        line.list("status", share.first, share.last,
+                  [&](std::int64_t i) { line.string(status_word(tracks.status[i])); });
+        line.list("misses", share.first, share.last,
+                  [&](std::int64_t i) { line.value(std::int64_t{tracks.misses[i]}); });
         line.vectors("means", tracks.mean, share);
         write_uncertainty(line, tracks.covariance, uncertainty, share);
         if (tracks.extent.data != nullptr) line.matrices("extents", tracks.extent, share);

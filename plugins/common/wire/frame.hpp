@@ -19,8 +19,8 @@ enum class Kind : std::uint8_t { scan, truth, tracks, end };
 /// One scan, one truth, one end, or one part of them.
 struct Frame {
     Kind kind = Kind::scan;
-    std::int64_t time = 0;                ///< ns
-    std::optional<std::int64_t> arrival;  ///< ns
+    std::int64_t time = 0;                    ///< ns
+    std::optional<std::int64_t> arrival;      ///< ns
     std::array<std::uint64_t, 2> part{1, 1};  ///< this one, from 1, and how many there are
     std::string sensor;
     std::uint64_t width = 0;          ///< components of a row
@@ -42,8 +42,8 @@ struct Frame {
     std::size_t bytes() const noexcept;
 
     template <class Archive> void state(Archive& archive) {
-        archive(kind, time, arrival, part, sensor, width, values, covariances, ids, times, snr, waveform, parents, births,
-                extents, extent_dimension, measurements);
+        archive(kind, time, arrival, part, sensor, width, values, covariances, ids, times, snr, waveform, parents,
+                births, extents, extent_dimension, measurements);
     }
 };
 

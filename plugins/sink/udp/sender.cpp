@@ -18,8 +18,7 @@ namespace sink_udp {
 namespace {
 
 bool set_interface(int descriptor, int family, unsigned index) {
-    if (family == AF_INET6)
-        return ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_MULTICAST_IF, &index, sizeof index) == 0;
+    if (family == AF_INET6) return ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_MULTICAST_IF, &index, sizeof index) == 0;
     ip_mreqn request{};
     request.imr_ifindex = static_cast<int>(index);
     return ::setsockopt(descriptor, IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0;

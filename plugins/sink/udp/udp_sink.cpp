@@ -6,8 +6,8 @@
 #include <ctime>
 #include <system_error>
 
-#include <wire/frame.hpp>
-#include <wire/text.hpp>
+#include "../../common/wire/frame.hpp"
+#include "../../common/wire/text.hpp"
 
 namespace sink_udp {
 
@@ -26,7 +26,8 @@ std::int64_t monotonic_now() {
 void UdpSink::describe(pelorus::Describe<UdpSink>& plugin) {
     plugin.title("UDP sender")
         .purpose(
-            "Sends what it is given as UDP datagrams (docs/wire-format.md): to source.udp of another run, to a display, "
+            "Sends what it is given as UDP datagrams (docs/wire-format.md): to source.udp of another run, to a "
+            "display, "
             "to whoever reads JSON lines or CSV. Numbers are written with as many digits as it takes to read them back "
             "exactly. Tells its end when the run ends.")
         .source(
@@ -78,9 +79,10 @@ void UdpSink::setup(const pelorus::Setup& setup) {
     diagnostics_ = setup.optional_service<plr_diagnostics>();
     const auto destination = parse_destination(destination_text_);
     if (!destination)
-        throw pelorus::ParameterError("destination", "'" + destination_text_ +
-                                                         "' is no destination: expected host:port, as 127.0.0.1:4530 or "
-                                                         "[::1]:4530, port 1 to 65535");
+        throw pelorus::ParameterError("destination",
+                                      "'" + destination_text_ +
+                                          "' is no destination: expected host:port, as 127.0.0.1:4530 or "
+                                          "[::1]:4530, port 1 to 65535");
     destination_ = *destination;
     if (!wire::is_sender(sender_name_))
         throw pelorus::ParameterError("sender", "is not 1 to 64 printable ASCII characters");
@@ -98,8 +100,8 @@ void UdpSink::on_scan(const pelorus::Event& event, const plr_scan& scan) {
 
 void UdpSink::on_truth(const pelorus::Event& event, const plr_truth& truth) {
     require_json("truth");
-    send(event, wire::json_truth(envelope_, {event.time, event.arrival}, truth,
-                                 static_cast<std::size_t>(maximum_datagram_)));
+    send(event,
+         wire::json_truth(envelope_, {event.time, event.arrival}, truth, static_cast<std::size_t>(maximum_datagram_)));
 }
 
 void UdpSink::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
@@ -110,9 +112,10 @@ void UdpSink::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
 
 void UdpSink::require_json(const char* port) const {
     if (format_ == Format::csv)
-        throw pelorus::UnsupportedError(std::string("format: csv carries scans only; take format: json, or leave out the "
-                                                    "edge to port ") +
-                                        port);
+        throw pelorus::UnsupportedError(
+            std::string("format: csv carries scans only; take format: json, or leave out the "
+                        "edge to port ") +
+            port);
 }
 
 void UdpSink::open() {
@@ -143,8 +146,8 @@ void UdpSink::send(const std::string& datagram) {
     }
     ++not_sent_;
     count("send_errors", 1);
-    const std::string text = "cannot send " + std::to_string(datagram.size()) + " bytes to " + destination_text_ + ": " +
-                             std::generic_category().message(error);
+    const std::string text = "cannot send " + std::to_string(datagram.size()) + " bytes to " + destination_text_ +
+                             ": " + std::generic_category().message(error);
     if (send_errors_ == SendErrors::stop) throw pelorus::IoError(text + " (send_errors: count would go on)");
     if (not_sent_ <= 10) log(PLR_LOG_WARNING, text);
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "../../common/wire/encode.hpp"
 #include <pelorus/stage.hpp>
-#include <wire/encode.hpp>
 
 #include "sender.hpp"
 

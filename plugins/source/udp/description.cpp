@@ -50,8 +50,7 @@ void UdpSource::describe_socket(pelorus::Describe<UdpSource>& plugin) {
         .doc("UDP port to listen on; 0: the system chooses, the log tells");
     plugin.parameter("address", &UdpSource::address_)
         .doc("address of this machine to listen on, in numbers; 127.0.0.1 unless given, 0.0.0.0 or :: for all");
-    plugin.parameter("multicast", &UdpSource::multicast_)
-        .doc("group to join instead, in numbers: 239.0.0.1, ff02::1");
+    plugin.parameter("multicast", &UdpSource::multicast_).doc("group to join instead, in numbers: 239.0.0.1, ff02::1");
     plugin.parameter("interface", &UdpSource::interface_)
         .doc("network interface on which the group is joined, by name; absent: the system chooses");
     plugin.parameter("receive_buffer", &UdpSource::receive_buffer_)
@@ -78,8 +77,9 @@ void UdpSource::describe_order(pelorus::Describe<UdpSource>& plugin) {
         .choices({{"drop", "left out and counted"},
                   {"keep", "published when it comes, as arriving then"},
                   {"stop", "the run ends"}})
-        .doc("what happens to a datagram that comes after it was given up, and to a frame that arrived before one "
-             "already published");
+        .doc(
+            "what happens to a datagram that comes after it was given up, and to a frame that arrived before one "
+            "already published");
     plugin.parameter("lost", &UdpSource::lost_)
         .initially("count")
         .choices({{"count", "the run goes on, counted"}, {"stop", "the run ends"}})

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t most_ranges = 256;  // of given-up numbers that a sender's late datagrams are told by
 
 std::string name_of(const std::pair<std::string, std::uint64_t>& key) {
-    return key.second == 0 ? "sender " + key.first : "sender " + key.first + " (session " + std::to_string(key.second) + ")";
+    return key.second == 0 ? "sender " + key.first
+                           : "sender " + key.first + " (session " + std::to_string(key.second) + ")";
 }
 
 std::string range_text(std::uint64_t first, std::uint64_t last) {
@@ -79,11 +80,13 @@ void Sequencer::order(const Key& key, Flow& flow, wire::Datagram datagram, std::
         // The first ones may come in the wrong order; a number far from 0 is of somebody who has long been sending.
         flow.next = sequence <= settings_.reorder_datagrams ? 0 : sequence;
         if (*flow.next != 0)
-            warn_(name_of(key) + " is heard from datagram " + std::to_string(sequence) + " on; those before are not counted");
+            warn_(name_of(key) + " is heard from datagram " + std::to_string(sequence) +
+                  " on; those before are not counted");
     }
     if (sequence < *flow.next) return past(key, flow, datagram, sequence);
     if (sequence > *flow.next) {
-        if (!flow.held.try_emplace(sequence, datagram).second) return past(key, flow, datagram, sequence);
+        if (!flow.held.try_emplace(sequence, std::move(datagram)).second)
+            return duplicate(key, sequence, "; one of them is left out");
         if (!flow.waiting_since) flow.waiting_since = now;
         while (flow.held.size() > settings_.reorder_datagrams) give_up_next(key, flow);
         return;
@@ -98,8 +101,7 @@ void Sequencer::past(const Key& key, Flow& flow, const wire::Datagram& datagram,
     if (sequence == flow.end) return;  // an end is told several times, so that one of them comes through
     const std::string which = name_of(key) + ": datagram " + std::to_string(sequence);
     if (!remove(flow.given_up, sequence)) {
-        ++counts_.duplicate;
-        warn_(which + " came again" + (settings_.duplicates == Duplicates::drop ? "; it is left out" : ""));
+        duplicate(key, sequence, settings_.duplicates == Duplicates::drop ? "; it is left out" : "");
         if (settings_.duplicates == Duplicates::keep) release(key, flow, datagram, true);
         return;
     }
@@ -109,6 +111,11 @@ void Sequencer::past(const Key& key, Flow& flow, const wire::Datagram& datagram,
         throw pelorus::DataError(which + " came after it had been given up (late: drop or keep would go on)");
     warn_(which + " came after it had been given up" + (settings_.late == Late::drop ? "; it is left out" : ""));
     if (settings_.late == Late::keep) release(key, flow, datagram, true);
+}
+
+void Sequencer::duplicate(const Key& key, std::uint64_t sequence, const char* outcome) {
+    ++counts_.duplicate;
+    warn_(name_of(key) + ": datagram " + std::to_string(sequence) + " came again" + outcome);
 }
 
 /// Goes on with the next datagram that is there.
@@ -182,13 +189,12 @@ void Sequencer::put_together(const Key& key, Flow& flow, const wire::Frame& part
         incomplete(key, flow);
         flow.whole = part;
     } else if (!fits || !append(*flow.whole, part)) {
-        // Said once a frame: with the first part that is missing or does not fit, not with those after it.
-        if (flow.whole || part.part[0] == part.part[1]) {
-            ++counts_.incomplete;
-            warn_(name_of(key) + ": the frame at " + seconds_text(part.time) + " cannot be put together from its " +
-                  std::to_string(part.part[1]) + " parts; it is left out");
-        }
         flow.whole.reset();
+        if (flow.broken == part.time) return;  // said and counted once a frame
+        flow.broken = part.time;
+        ++counts_.incomplete;
+        warn_(name_of(key) + ": the frame at " + seconds_text(part.time) + " cannot be put together from its " +
+              std::to_string(part.part[1]) + " parts; it is left out");
         return;
     }
     if (flow.whole->part[0] != flow.whole->part[1]) return;
@@ -204,6 +210,7 @@ void Sequencer::incomplete(const Key& key, Flow& flow) {
     warn_(name_of(key) + ": of the frame at " + seconds_text(flow.whole->time) + " only " +
           std::to_string(flow.whole->part[0]) + " of " + std::to_string(flow.whole->part[1]) +
           " parts came; it is left out");
+    flow.broken = flow.whole->time;
     flow.whole.reset();
 }
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include <wire/frame.hpp>
+#include "../../common/wire/frame.hpp"
 
 namespace source_udp {
 
@@ -73,12 +73,13 @@ private:
         std::map<std::uint64_t, wire::Datagram> held;
         std::map<std::uint64_t, std::uint64_t> given_up;  // ranges: first, last
         std::optional<wire::Frame> whole;                 // parts so far
+        std::optional<std::int64_t> broken;               // time of the frame last left out
         std::optional<std::uint64_t> end;                 // sequence number of its end
         bool ended = false;
         std::uint64_t heard = 0;                    // count of datagrams at its last one
         std::optional<std::int64_t> waiting_since;  // clocks do not outlive a process: not saved
         template <class Archive> void state(Archive& archive) {
-            archive(next, held, given_up, whole, end, ended, heard);
+            archive(next, held, given_up, whole, broken, end, ended, heard);
             if constexpr (Archive::reading) waiting_since.reset();
         }
     };
@@ -87,6 +88,7 @@ private:
     Flow* flow_of(const Key& key);
     void order(const Key& key, Flow& flow, wire::Datagram datagram, std::int64_t now);
     void past(const Key& key, Flow& flow, const wire::Datagram& datagram, std::uint64_t sequence);
+    void duplicate(const Key& key, std::uint64_t sequence, const char* outcome);
     void give_up_next(const Key& key, Flow& flow);
     void advance(const Key& key, Flow& flow);
     void release(const Key& key, Flow& flow, const wire::Datagram& datagram, bool known_late);

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <utility>
 
-#include <wire/text.hpp>
+#include "../../common/wire/text.hpp"
 
 namespace source_udp {
 
 namespace {
 
-constexpr std::uint64_t logged_warnings = 10;     // a broken network must not fill the log; all is counted
-constexpr int datagrams_at_once = 256;            // read in one call, so that other nodes get their turn
-constexpr std::int64_t look_again = 2'000'000;    // ns, when nothing is there
+constexpr std::uint64_t logged_warnings = 10;   // a broken network must not fill the log; all is counted
+constexpr int datagrams_at_once = 256;          // read in one call, so that other nodes get their turn
+constexpr std::int64_t look_again = 2'000'000;  // ns, when nothing is there
 
 std::int64_t steady_now() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -31,11 +31,15 @@ void UdpSource::setup(const pelorus::Setup& setup) {
     if (multicast_ && address_)
         throw pelorus::ParameterError("address", "with multicast, the group is what is listened to: leave address out");
     if (multicast_ && !is_group(*multicast_))
-        throw pelorus::ParameterError("multicast", "'" + *multicast_ + "' is no multicast group in numbers (239.0.0.1, ff02::1)");
+        throw pelorus::ParameterError("multicast",
+                                      "'" + *multicast_ + "' is no multicast group in numbers (239.0.0.1, ff02::1)");
     if (multicast_ && port_ == 0) throw pelorus::ParameterError("port", "0 chooses a port, which a group cannot know");
-    if (interface_ && !multicast_) throw pelorus::ParameterError("interface", "belongs to multicast, which is not given");
+    if (interface_ && !multicast_)
+        throw pelorus::ParameterError("interface", "belongs to multicast, which is not given");
     if (address_ && (!is_address(*address_) || is_group(*address_)))
-        throw pelorus::ParameterError("address", "'" + *address_ + "' is no IP address in numbers (127.0.0.1, 0.0.0.0, ::); a group goes into multicast");
+        throw pelorus::ParameterError(
+            "address",
+            "'" + *address_ + "' is no IP address in numbers (127.0.0.1, 0.0.0.0, ::); a group goes into multicast");
     where_ = {multicast_ ? *multicast_ : address_.value_or("127.0.0.1"), static_cast<std::uint16_t>(port_),
               multicast_.has_value(), interface_, static_cast<int>(receive_buffer_)};
     vocabulary_.frame = setup.frame();
@@ -49,8 +53,8 @@ void UdpSource::setup(const pelorus::Setup& setup) {
                                                      std::vector<double>(static_cast<std::size_t>(truth_kind_), 0.0));
     sequencer_ = std::make_unique<Sequencer>(
         OrderSettings{std::llround(reorder_seconds_ * 1e9), static_cast<std::size_t>(reorder_datagrams_),
-                      static_cast<std::size_t>(maximum_senders_), static_cast<std::size_t>(maximum_measurements_), late_,
-                      lost_, duplicates_, arrival_ == Arrival::clock},
+                      static_cast<std::size_t>(maximum_senders_), static_cast<std::size_t>(maximum_measurements_),
+                      late_, lost_, duplicates_, arrival_ == Arrival::clock},
         [this](const std::string& text) { warn(text); });
 }
 
@@ -88,7 +92,7 @@ plr_next UdpSource::next() {
     }
     if (all_ended) return {sizeof(plr_next), PLR_NEXT_END, 0, 0};
     if (idle_ && static_cast<double>(now - last_heard_) * 1e-9 > *idle_) {
-        log(PLR_LOG_INFO, "no datagram for " + std::to_string(*idle_) + " s: this is the end");
+        log(PLR_LOG_INFO, "no datagram for so long (idle): this is the end");
         return {sizeof(plr_next), PLR_NEXT_END, 0, 0};
     }
     return {sizeof(plr_next), PLR_NEXT_WAIT, wall_now() + look_again, 0};
@@ -108,7 +112,8 @@ void UdpSource::open() {
 
 /// Takes over what waits in the socket, unless so much is pending already that it had better wait there.
 void UdpSource::drain(std::int64_t now) {
-    for (int i = 0; i < datagrams_at_once && sequencer_->ready_bytes() < static_cast<std::size_t>(maximum_pending_); ++i) {
+    for (int i = 0; i < datagrams_at_once && sequencer_->ready_bytes() < static_cast<std::size_t>(maximum_pending_);
+         ++i) {
         const auto bytes = receiver_.receive();
         if (!bytes) break;
         last_heard_ = now;
@@ -131,7 +136,8 @@ void UdpSource::take(std::string_view bytes, const std::string& origin, std::int
     }
     if (datagram.sender.empty()) datagram.sender = origin;
     if (!problem.empty())
-        refuse(origin + ", datagram " + std::to_string(counted_.datagrams) + " (sender " + datagram.sender + "): " + problem);
+        refuse(origin + ", datagram " + std::to_string(counted_.datagrams) + " (sender " + datagram.sender +
+               "): " + problem);
     for (wire::Frame& frame : datagram.frames) {
         ++counted_.frames;
         counted_.rows += frame.rows();
@@ -149,7 +155,8 @@ void UdpSource::emit(const pelorus::Event&) {
     if (sequencer_->ready().empty()) throw pelorus::ArgumentError("there is nothing to emit");
     const wire::Frame frame = sequencer_->take();
     if (const auto id = wire::doubled_id(frame))
-        return refuse("the frame at " + std::to_string(frame.time) + " ns has the id " + std::to_string(*id) + " twice");
+        return refuse("the frame at " + std::to_string(frame.time) + " ns has the id " + std::to_string(*id) +
+                      " twice");
     if (frame.kind == wire::Kind::scan) return publish_scan(frame);
     publish_truth(frame);
 }

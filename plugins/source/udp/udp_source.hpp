@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "../../common/wire/decode.hpp"
 #include <pelorus/stage.hpp>
-#include <wire/decode.hpp>
 
 #include "receiver.hpp"
 #include "sequencer.hpp"
@@ -42,7 +42,9 @@ public:
 private:
     struct Counts {
         std::uint64_t datagrams = 0, frames = 0, rows = 0, bad = 0, refused = 0, overrun = 0;
-        template <class Archive> void state(Archive& archive) { archive(datagrams, frames, rows, bad, refused, overrun); }
+        template <class Archive> void state(Archive& archive) {
+            archive(datagrams, frames, rows, bad, refused, overrun);
+        }
     };
 
     static void describe_socket(pelorus::Describe<UdpSource>& plugin);
