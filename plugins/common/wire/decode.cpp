@@ -46,6 +46,15 @@ void check_covariance(const double* matrix, std::size_t n, const std::string& wh
         }
 }
 
+void adopt_envelope(const Datagram& told, bool first, Datagram& into) {
+    if (!told.sender.empty() && !is_sender(told.sender))
+        throw BadFrame("sender is not 1 to 64 printable ASCII characters");
+    if (told.sequence.value_or(0) > std::uint64_t{1} << 62) throw BadFrame("sequence is beyond 2^62");
+    const bool same = told.sender == into.sender && told.session == into.session && told.sequence == into.sequence;
+    if (!first && !same) throw BadFrame("sender, session and sequence are not those of the datagram's first line");
+    into.sender = told.sender, into.session = told.session, into.sequence = told.sequence;
+}
+
 void check_part(const std::array<std::uint64_t, 2>& part) {
     if (part[0] < 1 || part[0] > part[1] || part[1] > most_parts)
         throw BadFrame("part is " + std::to_string(part[0]) + " of " + std::to_string(part[1]) +

@@ -41,6 +41,8 @@ void decode_csv(std::string_view bytes, const Vocabulary& vocabulary, Datagram& 
 const Vocabulary::Sensor& sensor_of(const Vocabulary& vocabulary, const std::string& name);
 /// Throws BadFrame unless the matrix (n x n) is symmetric and positive definite.
 void check_covariance(const double* matrix, std::size_t n, const std::string& where);
+/// Checks what a line or row tells of its datagram, and takes it over from the first. Throws BadFrame.
+void adopt_envelope(const Datagram& told, bool first, Datagram& into);
 /// Throws BadFrame unless the part lies in 1 ... number of parts, and those within bounds.
 void check_part(const std::array<std::uint64_t, 2>& part);
 

@@ -99,15 +99,9 @@ void read_envelope(Rows& rows, Datagram& datagram, bool first) {
     if (rows.whole("pelorus") != version)
         throw BadFrame("pelorus is " + shown(rows.cell("pelorus")) + ", this reader knows version 1");
     told.sender = rows.cell("sender");
-    if (!told.sender.empty() && !is_sender(told.sender))
-        throw BadFrame("sender is not 1 to 64 printable ASCII characters");
     told.session = rows.optional_whole("session").value_or(0);
     told.sequence = rows.optional_whole("sequence");
-    if (told.sequence && *told.sequence > std::uint64_t{1} << 62) throw BadFrame("sequence is beyond 2^62");
-    const bool same =
-        told.sender == datagram.sender && told.session == datagram.session && told.sequence == datagram.sequence;
-    if (!first && !same) throw BadFrame("sender, session and sequence are not those of the datagram's first row");
-    datagram.sender = told.sender, datagram.session = told.session, datagram.sequence = told.sequence;
+    adopt_envelope(told, first, datagram);
 }
 
 /// Appends the row's covariance, if it has one: `covariance.A.B` (the upper triangle) or `deviation.A`.

@@ -88,6 +88,11 @@ public:
     void matrices(const char* key, const plr_const_view& view, const Share& share) {
         list(key, share.first, share.last, [&](std::int64_t i) { matrix(key, view, i); });
     }
+    /// The matrix that all entries have.
+    void matrix(const char* key, const plr_const_view& view) {
+        name(key);
+        matrix(key, view, 0);
+    }
     void matrix(const char* key, const plr_const_view& view, std::int64_t i) {
         items(0, view.rows, [&](std::int64_t r) {
             items(0, view.cols, [&](std::int64_t c) {
@@ -144,12 +149,7 @@ Datagrams json_scan(Envelope& envelope, Stamp stamp, const plr_scan& scan, std::
         line.vectors("measurements", scan.measurements, share);
         const bool common = scan.covariances.data != nullptr && scan.covariances.item_stride == 0;
         if (common && scan.measurements.count > 0) {
-            line.list("covariance", 0, scan.covariances.rows, [&](std::int64_t r) {
-                line.items(0, scan.covariances.cols, [&](std::int64_t c) {
-                    line.value(scan.covariances.data[r * scan.covariances.row_stride + c * scan.covariances.col_stride],
-                               "covariance", r);
-                });
-            });
+            line.matrix("covariance", scan.covariances);
         } else if (scan.covariances.data != nullptr) {
             line.matrices("covariances", scan.covariances, share);
         }

@@ -104,7 +104,7 @@ TEST_CASE("A broken CSV frame is told by line, column and what was expected", "[
          "line 2: has a part of its covariance, expected all deviations or the whole upper triangle"},
         {"pelorus,kind\n1,truth\n", "line 2: kind is 'truth', expected scan or end"},
         {"pelorus,time,sensor,sequence,range,azimuth\n1,0,radar,1,1,1\n1,0,radar,2,1,1\n",
-         "line 3: sender, session and sequence are not those of the datagram's first row"},
+         "line 3: sender, session and sequence are not those of the datagram's first line"},
     };
     for (const auto& [bytes, expected] : cases) {
         INFO(bytes);

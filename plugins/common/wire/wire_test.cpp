@@ -15,7 +15,7 @@ using wire::Envelope;
 using wire::Frame;
 
 const pelorus::Space polar({{"range", "m"}, {"azimuth", "rad", 0, 0, true}});
-const pelorus::Space waveform({{"bandwidth", "Hz"}});
+const pelorus::Space waveform(std::vector<pelorus::Component>{{"bandwidth", "Hz"}});
 
 wire::Vocabulary vocabulary() {
     wire::Vocabulary all;

@@ -4,6 +4,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <limits>
+
 #include <catch2/catch.hpp>
 
 #include "../../../tests/fixtures/stage_bench.hpp"
@@ -194,14 +196,15 @@ TEST_CASE("source.udp tells apart only so many senders", "[source.udp]") {
 }
 
 TEST_CASE("source.udp goes on from saved state, and counts what was sent in between as lost", "[source.udp]") {
+    constexpr std::int64_t later = std::numeric_limits<std::int64_t>::max();  // so that nothing is waited for too long
     Received first("idle: 3600 s");
-    first.take(scan(0)), first.take(scan(1)), first.take(scan(3));
+    first.take(scan(0)), first.take(scan(1)), first.take(scan(3), later);
     first.stage->next();
     first.stage->emit(first.stage->next().arrival);
     const auto state = first.stage->save();
-    Received second("idle: 3600 s, reorder_datagrams: 1");
+    Received second("idle: 3600 s, reorder: 3600 s, reorder_datagrams: 1");
     second.stage->load(state);
-    second.take(scan(5));
+    second.take(scan(5), later);
     second.emit_all();
     std::vector<std::int64_t> times;
     for (const Published& p : second.bench.published) times.push_back(p.message->time / 1'000'000'000);
