@@ -114,7 +114,7 @@ Json plugin_json(const host::LoadedPlugin& plugin) {
               {"license", description.license},
               {"table", plugin.file.table_id},
               {"library", plugin.file.library.string()},
-              {"sha256", plugin.sha256}};
+              {"sha256", plugin.sha256()}};
     if (!is_stage) json["instance"] = instance_json(plugin);
     json["slots"] = slots_json(description);
     json["in_ports"] = ports_json(description.in_ports, description.in_port_count);

@@ -81,6 +81,8 @@ std::string plugin_problem(const plr_plugin& plugin, const PluginFile& file) {
 
 }  // namespace
 
+std::string LoadedPlugin::sha256() const { return library == nullptr ? "" : sha256_of(*library); }
+
 Catalog::Catalog(std::vector<std::filesystem::path> folders) : folders_(std::move(folders)) {
     for (const std::filesystem::path& library : find_libraries(folders_, rejected_)) add(library);
     std::sort(plugins_.begin(), plugins_.end(), [](const PluginFile& a, const PluginFile& b) { return a.id < b.id; });
@@ -160,7 +162,7 @@ const LoadedPlugin& Catalog::load(const std::string& id) {
     try {
         const Library& library = load_library(file.library);
         loaded->file = file;
-        loaded->sha256 = library.sha256;
+        loaded->library = &library;
         loaded->plugin = &make_plugin(library, id);
     } catch (const Error& error) {
         refuse(where + error.what());

@@ -26,11 +26,15 @@ struct RejectedFile {
     std::vector<std::string> ids;  ///< of the plugins in it, as far as they are known
 };
 
+struct Library;
+
 /// A plugin whose library is loaded, held by the catalog; `plugin` itself lives as long as the process.
 struct LoadedPlugin {
     PluginFile file;
     const plr_plugin* plugin = nullptr;
-    std::string sha256;  ///< of the library, hexadecimal
+    const Library* library = nullptr;
+    /// Of the library's file, hexadecimal; see sha256_of.
+    std::string sha256() const;
     const plr_description& description() const { return *plugin->description; }
 };
 

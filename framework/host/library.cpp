@@ -6,8 +6,8 @@
 
 #include <array>
 #include <boost/dll/shared_library.hpp>
+#include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -23,17 +23,20 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& reason) { throw Error(Exit::misuse, reason); }
 
-std::string sha256_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
+struct Close {
+    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+/// "" if the file cannot be read.
+std::string sha256_of(std::FILE& file) {
     crypto_hash_sha256_state state;
     crypto_hash_sha256_init(&state);
-    std::vector<char> buffer(1u << 16);
-    while (file) {
-        file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-        crypto_hash_sha256_update(&state, reinterpret_cast<const unsigned char*>(buffer.data()),
-                                  static_cast<unsigned long long>(file.gcount()));
-    }
-    if (!file.eof()) refuse("the library cannot be read");
+    std::vector<unsigned char> buffer(1u << 16);
+    std::rewind(&file);
+    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), &file))
+        crypto_hash_sha256_update(&state, buffer.data(), got);
+    if (std::ferror(&file) != 0) return {};
     std::array<unsigned char, crypto_hash_sha256_BYTES> hash;
     crypto_hash_sha256_final(&state, hash.data());
     std::array<char, 2 * crypto_hash_sha256_BYTES + 1> text;
@@ -44,6 +47,8 @@ std::string sha256_of(const std::filesystem::path& path) {
 /// A library of this process, and what must live as long as it does.
 struct Resident {
     Library library;
+    File file;  // open as long as the process lives: still the one that was loaded when its name is given to another
+    std::string sha256;  // "": not asked for yet
     boost::dll::shared_library handle;
     std::unique_ptr<InstanceHost> host;  // what init was given
     std::string refusal;                 // why it is not usable although it is loaded, or ""
@@ -143,7 +148,8 @@ const Library& load_library(const std::filesystem::path& path) {
     if (resident == nullptr) {
         auto loading = std::make_unique<Resident>();
         loading->library.path = path;
-        loading->library.sha256 = sha256_of(path);
+        loading->file.reset(std::fopen(path.c_str(), "rbe"));
+        if (loading->file == nullptr) refuse("the library cannot be read");
         open(*loading);  // throws: nothing was loaded, a repaired file may be tried again
         resident = std::move(loading);
         try {
@@ -155,6 +161,14 @@ const Library& load_library(const std::filesystem::path& path) {
     }
     if (!resident->refusal.empty()) refuse(resident->refusal);
     return resident->library;
+}
+
+std::string sha256_of(const Library& library) {
+    Residents& residents = Residents::get();
+    const std::lock_guard<std::mutex> lock(residents.mutex);
+    Resident& resident = *residents.by_path.at(library.path);
+    if (resident.sha256.empty()) resident.sha256 = sha256_of(*resident.file);
+    return resident.sha256;
 }
 
 const plr_plugin& make_plugin(const Library& library, const std::string& id) {

@@ -71,7 +71,7 @@ Json provenance(const graph::Graph& graph, const RunContext& context) {
     document["plugins"] = Json::array();
     for (const host::LoadedPlugin* plugin : graph.plugins())
         document["plugins"].push_back(
-            {{"id", plugin->file.id}, {"version", plugin->file.version}, {"sha256", plugin->sha256}});
+            {{"id", plugin->file.id}, {"version", plugin->file.version}, {"sha256", plugin->sha256()}});
     document["config"] = graph.resolved();
     return document;
 }

@@ -70,7 +70,7 @@ TEST_CASE("A plugin is found without being loaded, and loaded when asked for", "
     CHECK(loaded.file.library == library);
     CHECK(loaded.description().id == std::string("motion.good"));
     CHECK(loaded.plugin->create != nullptr);
-    CHECK(loaded.sha256 + "  " + library.string() + "\n" == output_of("sha256sum " + library.string()));
+    CHECK(loaded.sha256() + "  " + library.string() + "\n" == output_of("sha256sum " + library.string()));
     CHECK(&catalog.load("motion.good") == &loaded);
 }
 
