@@ -1,5 +1,6 @@
 // Predict and update of 1000 nine-state tracks: through plugins, and by the same arithmetic written out in this program.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -130,6 +131,40 @@ void measure(benchmark::State& state, const Step& step, const Expected& expected
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(tracks));
 }
 
+double median(std::vector<double>& numbers) {
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::nth_element(numbers.begin(), middle, numbers.end());
+    return *middle;
+}
+
+/// The median of the ratios of pairs of calls that follow each other at once, in both orders: what slows the machine down
+/// for longer than a millisecond slows both of a pair.
+template <class Step, class Reference>
+void compare(benchmark::State& state, const Step& step, const Reference& reference) {
+    using Clock = std::chrono::steady_clock;
+    Answers answers, right;
+    std::vector<double> ratios;
+    const auto seconds_of = [](const auto& call, Answers& out) {
+        const auto start = Clock::now();
+        call(out);
+        benchmark::ClobberMemory();
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
+    try {
+        bool turned = false;
+        for (auto _ : state) {
+            const double first = turned ? seconds_of(reference, right) : seconds_of(step, answers);
+            const double second = turned ? seconds_of(step, answers) : seconds_of(reference, right);
+            ratios.push_back(turned ? second / first : first / second);
+            turned = !turned;
+        }
+    } catch (const std::exception& problem) {
+        state.SkipWithError(problem.what());
+        return;
+    }
+    state.counters["ratio"] = median(ratios);
+}
+
 void inline_predict(Answers& out) {
     if (!plain::predict(scenario().start.data(), out.track.data(), tracks, dt, jerk))
         throw std::runtime_error("the inline filter failed");
@@ -183,6 +218,12 @@ void add(const char* name, const Step& step, const Expected& expected, double to
     })->Unit(benchmark::kMicrosecond);
 }
 
+template <class Step, class Reference> void add_ratio(const char* name, const Step& step, const Reference& reference) {
+    benchmark::RegisterBenchmark(name, [=](benchmark::State& state) {
+        compare(state, step, reference);
+    })->Unit(benchmark::kMicrosecond);
+}
+
 [[maybe_unused]] const bool registered = [] {
     add("filter/predict/plugin", plugin_predict, inline_predict, roundings);
     add("filter/predict/inline", inline_predict, plugin_predict, roundings);
@@ -192,6 +233,9 @@ void add(const char* name, const Step& step, const Expected& expected, double to
     add("filter/update_position/dense", dense_update, position_update(inline_update), other_form);
     add("filter/update_spherical/plugin", spherical_update(plugin_update), spherical_update(inline_update), roundings);
     add("filter/update_spherical/inline", spherical_update(inline_update), spherical_update(plugin_update), roundings);
+    add_ratio("filter/predict/ratio", plugin_predict, inline_predict);
+    add_ratio("filter/update_position/ratio", position_update(plugin_update), position_update(inline_update));
+    add_ratio("filter/update_spherical/ratio", spherical_update(plugin_update), spherical_update(inline_update));
     return true;
 }();
 
