@@ -14,11 +14,15 @@ struct Look {
     double jacobian[m * n];  // column-major
 };
 
-/// 0 x is NaN for every x that is not finite. Four sums, so that one addition need not wait for the other.
+/// 0 x is NaN for every x that is not finite. Several sums, so that one addition need not wait for the one before it.
 template <std::size_t Size> bool all_finite(const std::array<double, Size>& numbers) {
-    double sum[4] = {};
-    for (std::size_t k = 0; k < Size; ++k) sum[k % 4] += 0.0 * numbers[k];
-    return sum[0] + sum[1] + sum[2] + sum[3] == 0.0;
+    constexpr std::size_t lanes = 8, whole = Size - Size % lanes;
+    double sum[lanes] = {};
+    for (std::size_t k = 0; k < whole; k += lanes)
+        for (std::size_t lane = 0; lane < lanes; ++lane) sum[lane] += 0.0 * numbers[k + lane];
+    for (std::size_t k = whole; k < Size; ++k) sum[0] += 0.0 * numbers[k];
+    for (std::size_t lane = 1; lane < lanes; ++lane) sum[0] += sum[lane];
+    return sum[0] == 0.0;
 }
 
 double wrapped(double angle) {
