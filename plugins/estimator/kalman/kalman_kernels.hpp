@@ -38,6 +38,9 @@ using Sized = Eigen::Matrix<double, Rows, Cols, Eigen::ColMajor, Rows == Eigen::
 template <int N> using StateMatrix = Sized<N, N, max_state, max_state>;
 template <int N> using StateVector = Sized<N, 1, max_state, 1>;
 
+/// A size as the compiler knows it, where it does: loops over it are then unrolled.
+template <int Fixed> constexpr int size_of(int given) noexcept { return Fixed == Eigen::Dynamic ? given : Fixed; }
+
 /// Mean and covariance, n and n x n.
 struct Moments {
     const double* mean;
@@ -59,12 +62,12 @@ Outcome store(const Mean& mean, const Covariance& covariance, const MomentsOut& 
 /// Prediction by blocks: F = F1 (x) I, Q = Q1 (x) I with F1, Q1 b x b and d axes; a state is a d x b array whose columns are
 /// the derivatives, so that F x is X F1'. A d-th of the work of full products.
 template <int B, int D>
-Outcome predict_blocks(int b, int d, const double* f1, const double* q1, const Moments& from,
+Outcome predict_blocks(int derivatives, int axes, const double* f1, const double* q1, const Moments& from,
                        const MomentsOut& out) noexcept {
     constexpr int n_fixed = B == Eigen::Dynamic ? Eigen::Dynamic : B * D;
     using Block = Sized<B, B, max_state, max_state>;
     using Axes = Sized<D, B, max_state, max_state>;
-    const int n = b * d;
+    const int b = size_of<B>(derivatives), d = size_of<D>(axes), n = b * d;
     const Eigen::Map<const Block> f(f1, b, b);
 
     StateVector<n_fixed> mean(n, 1);
@@ -92,9 +95,10 @@ Outcome predict_blocks(int b, int d, const double* f1, const double* q1, const M
 
 /// Prediction by full matrices: the predicted mean is given, the covariance becomes F P F' + Q.
 template <int N>
-Outcome predict_full(int n, const double* f, const double* q, const double* predicted, const double* covariance,
+Outcome predict_full(int size, const double* f, const double* q, const double* predicted, const double* covariance,
                      const MomentsOut& out) noexcept {
     using Matrix = StateMatrix<N>;
+    const int n = size_of<N>(size);
     Matrix result(n, n);
     small::symmetric_product(Eigen::Map<const Matrix>(f, n, n), Eigen::Map<const Matrix>(covariance, n, n), result);
     for (int c = 0; c < n; ++c) {
@@ -124,13 +128,15 @@ struct Told {
 /// small R beside a large P would be lost, is never formed; K = L G' S^-1. The only Cholesky factorisations are those of P
 /// and R, which accept singular matrices.
 template <int N, int M>
-Outcome update(int n, int m, const Moments& from, const Measured& z, const MomentsOut& out, const Told& told) noexcept {
+Outcome update(int states, int measured, const Moments& from, const Measured& z, const MomentsOut& out,
+               const Told& told) noexcept {
     constexpr int joined_fixed = N == Eigen::Dynamic || M == Eigen::Dynamic ? Eigen::Dynamic : N + M;
     using Square = Sized<M, M, max_measurement, max_measurement>;
     using Wide = Sized<M, N, max_measurement, max_state>;
     using Joined = Sized<M, joined_fixed, max_measurement, max_state + max_measurement>;
     using Innovation = Sized<M, 1, max_measurement, 1>;
 
+    const int n = size_of<N>(states), m = size_of<M>(measured);
     StateMatrix<N> l(n, n);
     if (!small::cholesky_semidefinite(Eigen::Map<const StateMatrix<N>>(from.covariance, n, n), l))
         return Outcome::covariance_indefinite;
@@ -168,11 +174,12 @@ Outcome update(int n, int m, const Moments& from, const Measured& z, const Momen
 
 /// H P H' (m x m) and, unless nullptr, P H' (n x m).
 template <int N, int M>
-void project(int n, int m, const double* covariance, const double* jacobian, double* projected,
+void project(int states, int measured, const double* covariance, const double* jacobian, double* projected,
              double* cross) noexcept {
     using Tall = Sized<N, M, max_state, max_measurement>;
     using Wide = Sized<M, N, max_measurement, max_state>;
     using Square = Sized<M, M, max_measurement, max_measurement>;
+    const int n = size_of<N>(states), m = size_of<M>(measured);
     const Eigen::Map<const StateMatrix<N>> p(covariance, n, n);
     const Eigen::Map<const Wide> h(jacobian, m, n);
     small::symmetric_product(h, p, Eigen::Map<Square>(projected, m, m));
