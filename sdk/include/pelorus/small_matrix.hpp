@@ -81,10 +81,12 @@ inline void symmetric_product_transposed(const A& a, const B& b, C& out) noexcep
     const double *const x = a.data(), *const y = b.data();
     double* const z = out.data();
     for (Index j = 0; j < n; ++j) {
+        // Whole columns where their length is known: that is unrolled, which beats half the work in loops of changing length.
+        const Index first = rows_of<A> == Eigen::Dynamic ? j : 0;
         double sum[max_rows<A>()] = {};
         for (Index k = 0; k < inner; ++k) {
             const double factor = y[k * n + j];
-            for (Index i = j; i < n; ++i) sum[i] += x[k * n + i] * factor;
+            for (Index i = first; i < n; ++i) sum[i] += x[k * n + i] * factor;
         }
         for (Index i = j; i < n; ++i) {
             z[j * n + i] = add ? z[j * n + i] + sum[i] : sum[i];
