@@ -40,7 +40,8 @@ struct LoadedPlugin {
 
 class Catalog {
 public:
-    /// Folders to search, in order: `--plugins`, PELORUS_PLUGIN_PATH, ../lib/pelorus from the executable's folder. Relative ones
+    /// Folders to search, in order: `--plugins`, PELORUS_PLUGIN_PATH, ../lib/pelorus from the executable's folder, pelorus beside
+    /// libpelorus.so; each once. Relative ones
     /// are made absolute, empty ones left out: the current directory is never searched unless it is named.
     static std::vector<std::filesystem::path> default_folders(
         const std::vector<std::filesystem::path>& from_command_line);

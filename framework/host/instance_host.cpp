@@ -21,21 +21,6 @@ spdlog::level::level_enum spdlog_level(std::int32_t level) noexcept {
     return level == PLR_LOG_WARNING ? spdlog::level::warn : spdlog::level::err;
 }
 
-std::int32_t abi_level(spdlog::level::level_enum level) noexcept {
-    switch (level) {
-        case spdlog::level::trace:
-            return PLR_LOG_TRACE;
-        case spdlog::level::debug:
-            return PLR_LOG_DEBUG;
-        case spdlog::level::info:
-            return PLR_LOG_INFO;
-        case spdlog::level::warn:
-            return PLR_LOG_WARNING;
-        default:
-            return PLR_LOG_ERROR;
-    }
-}
-
 }  // namespace
 
 InstanceHost::InstanceHost(std::string address, std::string plugin_id, Shared shared)

@@ -1,8 +1,10 @@
 #include "host/log.hpp"
 
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include <atomic>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -18,13 +20,33 @@ std::atomic<spdlog::level::level_enum>& level_in_force() {
     return level;
 }
 
+/// Where all lines end: standard error, or a target that was set.
+class Sink : public spdlog::sinks::base_sink<std::mutex> {
+public:
+    Sink() { terminal_.set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ [%n] %v"); }
+    void set_target(LogTarget target) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        target_ = std::move(target);
+    }
+
+private:
+    void sink_it_(const spdlog::details::log_msg& line) override {
+        if (!target_) return terminal_.log(line);
+        try {
+            target_(abi_level(line.level), {line.logger_name.data(), line.logger_name.size()},
+                    {line.payload.data(), line.payload.size()});
+        } catch (...) {  // an application's log must not end the run that it tells of
+        }
+    }
+    void flush_() override { terminal_.flush(); }
+
+    spdlog::sinks::stderr_color_sink_st terminal_;
+    LogTarget target_;
+};
+
 /// Never destroyed: a plugin's deinit may log when static objects are already gone.
-const spdlog::sink_ptr& sink() {
-    static const spdlog::sink_ptr* const shared = [] {
-        auto made = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
-        made->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ [%n] %v");
-        return new spdlog::sink_ptr(std::move(made));
-    }();
+const std::shared_ptr<Sink>& sink() {
+    static const std::shared_ptr<Sink>* const shared = new auto(std::make_shared<Sink>());
     return *shared;
 }
 
@@ -40,6 +62,23 @@ std::shared_ptr<spdlog::logger> make_logger(const std::string& name) {
 spdlog::logger& host_logger() {
     static const std::shared_ptr<spdlog::logger>* const logger = new auto(make_logger("pelorus"));
     return **logger;
+}
+
+void set_log_target(LogTarget target) { sink()->set_target(std::move(target)); }
+
+std::int32_t abi_level(spdlog::level::level_enum level) noexcept {
+    switch (level) {
+        case spdlog::level::trace:
+            return PLR_LOG_TRACE;
+        case spdlog::level::debug:
+            return PLR_LOG_DEBUG;
+        case spdlog::level::info:
+            return PLR_LOG_INFO;
+        case spdlog::level::warn:
+            return PLR_LOG_WARNING;
+        default:
+            return PLR_LOG_ERROR;
+    }
 }
 
 void set_log_level(const std::string& name) {

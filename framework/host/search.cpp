@@ -1,5 +1,7 @@
 #include "host/search.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <set>
@@ -78,7 +80,9 @@ std::string why_unsafe(const fs::path& library) {
 std::vector<fs::path> Catalog::default_folders(const std::vector<fs::path>& from_command_line) {
     std::vector<fs::path> folders;
     const auto add = [&folders](const fs::path& folder) {
-        if (!folder.empty()) folders.push_back(fs::absolute(folder).lexically_normal());
+        if (folder.empty()) return;
+        const fs::path absolute = fs::absolute(folder).lexically_normal();
+        if (std::find(folders.begin(), folders.end(), absolute) == folders.end()) folders.push_back(absolute);
     };
     for (const fs::path& folder : from_command_line) add(folder);
     if (const char* variable = std::getenv("PELORUS_PLUGIN_PATH")) {
@@ -92,6 +96,13 @@ std::vector<fs::path> Catalog::default_folders(const std::vector<fs::path>& from
     std::error_code error;
     const fs::path executable = fs::read_symlink("/proc/self/exe", error);
     if (!error) add(executable.parent_path().parent_path() / "lib" / "pelorus");
+    // Whoever embeds the host has an executable somewhere else: the plugins lie beside the library then.
+    Dl_info library{};
+    static const char somewhere_in_it = 0;
+    if (dladdr(&somewhere_in_it, &library) != 0 && library.dli_fname != nullptr) {
+        const fs::path file = fs::canonical(library.dli_fname, error);
+        if (!error) add(file.parent_path() / "pelorus");
+    }
     return folders;
 }
 

@@ -8,24 +8,20 @@
 #include <thread>
 #include <utility>
 
-#include "runtime/event_queue.hpp"
-#include "runtime/snapshot.hpp"
-#include "runtime/stage_runner.hpp"
+#include "runtime/implementation.hpp"
 #include "runtime/time_text.hpp"
 
 namespace pelorus::runtime {
 namespace {
 
-using Time = std::int64_t;  // ns
-
 bool is_set(const std::atomic<bool>* flag) { return flag && flag->load(std::memory_order_relaxed); }
 
-/// Sleeps until a wall-clock time, in slices, so that a stop is noticed soon; a millisecond at least, so that a source
-/// that keeps waiting for the past does not burn a core.
-void sleep_until(Time wall_clock, const std::atomic<bool>* stop) {
+}  // namespace
+
+void sleep_until(Time wall_clock, const std::function<bool()>& stopped) {
     constexpr auto slice = std::chrono::milliseconds(20);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    while (!is_set(stop)) {
+    while (!stopped()) {
         const Time now =
             std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
                 .count();
@@ -35,67 +31,15 @@ void sleep_until(Time wall_clock, const std::atomic<bool>* stop) {
     }
 }
 
-/// What can happen next.
-struct Outlook {
-    bool something = false;
-    bool emission = false;  ///< of source key.node; otherwise the queue's next message
-    EventKey key;
-    Time announced = 0;        ///< the arrival that the source named
-    std::optional<Time> wait;  ///< wall-clock time until which some source has nothing
-};
-
-}  // namespace
-
-struct Runtime::Implementation {
-    enum class Phase { ready, running, over, broken };
-    struct SourceState {
-        bool ended = false;
-        bool live = false;  // has answered PLR_NEXT_WAIT
-        std::optional<Time> last_emitted;
-    };
-
-    explicit Implementation(Wiring given);
-
-    Outlook look_ahead();
-    void check_announcement(std::size_t node, Time arrival) const;
-    void handle(const Outlook& outlook);
-    void handle_message();
-    void deliver(std::size_t edge, const plr_message& message);
-    bool deliver_feedback(std::size_t node);
-    void commit(std::size_t node);
-    Outcome loop(const RunOptions& options);
-    void drain(Time last);
-    void finish_all();
-    std::string finish_sinks_after_failure();
-    Snapshot take_snapshot() const;
-    void restore(Snapshot snapshot);
-
-    MessagePool pool;  // outlives every message below
-    Wiring wiring;
-    Scratch scratch;
-    std::vector<std::unique_ptr<StageRunner>> runners;           // [nodes]
-    using EdgesOfPorts = std::vector<std::vector<std::size_t>>;  // [out ports] edges
-    std::vector<EdgesOfPorts> forward, backward;                 // [nodes] receivers in file order; feedback edges
-    std::vector<std::uint32_t> edge_numbers;                     // [edges] among those that end at the same in port
-    std::vector<bool> has_forward_input;                         // [nodes]
-    std::vector<EventQueue> feedback;  // [nodes] what waits at the feedback edges that end there
-    std::vector<SourceState> sources;  // [nodes]
-    std::vector<bool> finished;        // [nodes]
-    EventQueue queue;
-    std::uint64_t sequence = 0;
-    std::optional<Time> now;  // arrival of the event handled last
-    ResultCollector results;
-    Phase phase = Phase::ready;
-};
-
 Runtime::Implementation::Implementation(Wiring given) : wiring(std::move(given)) {
     const std::size_t count = wiring.nodes.size();
     std::vector<bool> receives(count, false);
     forward.resize(count), backward.resize(count), feedback.resize(count), sources.resize(count);
-    has_forward_input.resize(count, false), finished.resize(count, false);
+    has_forward_input.resize(count, false), finished.resize(count, false), observers.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         forward[i].resize(wiring.nodes[i].out_ports.size());
         backward[i].resize(wiring.nodes[i].out_ports.size());
+        observers[i].resize(wiring.nodes[i].out_ports.size());
     }
     std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> edges_at;  // (node, in port)
     for (std::size_t i = 0; i < wiring.edges.size(); ++i) {
@@ -166,6 +110,7 @@ void Runtime::Implementation::commit(std::size_t node) {
                                    problem.what());
             }
         }
+        if (const Observer& observer = observers[node][publication.port]) observer(publication.message);
         const EventKey key{message.arrival, message.time, node, message.sequence};
         for (const std::size_t edge : backward[node][publication.port]) {
             const std::size_t to = wiring.edges[edge].to;
@@ -224,7 +169,7 @@ Outcome Runtime::Implementation::loop(const RunOptions& options) {
     while (!is_set(options.stop)) {
         const Outlook outlook = look_ahead();
         if (outlook.wait && (!outlook.something || outlook.key.arrival >= *outlook.wait)) {
-            sleep_until(*outlook.wait, options.stop);
+            sleep_until(*outlook.wait, [&] { return is_set(options.stop); });
             continue;
         }
         if (!outlook.something) {
@@ -316,23 +261,15 @@ Runtime::~Runtime() = default;
 
 Outcome Runtime::run(const RunOptions& options) {
     Implementation& self = *implementation_;
-    if (self.phase == Implementation::Phase::broken)
-        throw Error(Exit::run_failed,
-                    "the graph was left half restored by a snapshot that was refused, and cannot run");
+    self.require_alive();
     if (self.phase != Implementation::Phase::ready)
         throw Error(Exit::run_failed, "the graph has already run: build it anew");
-    self.phase = Implementation::Phase::running;
-    std::string failure;
-    try {
+    return self.alive([&] {
         const Outcome outcome = self.loop(options);
         self.finish_all();
         self.phase = Implementation::Phase::over;
         return outcome;
-    } catch (const std::exception& problem) {
-        failure = problem.what();
-    }
-    self.phase = Implementation::Phase::over;
-    throw Error(Exit::run_failed, failure + self.finish_sinks_after_failure());
+    });
 }
 
 std::vector<unsigned char> Runtime::snapshot() const {

@@ -13,6 +13,10 @@
 /// meanwhile (not one before its own last one); it is handled at once, with the run's arrival. A source that has
 /// answered PLR_NEXT_END is not asked again.
 ///
+/// An application may run a graph bit by bit instead (advance, play, finish) and put messages into in ports of nodes that
+/// offer PLR_EXTERNAL (deliver). Such a message is an event like a source's emission: it comes after messages of the same
+/// arrival, time and node.
+///
 /// A message that a stage refuses (PLR_E_DATA from receive) is counted (`refused`) and logged, and what the stage
 /// published in that call is dropped; every other failure ends the run. A refused publication that the stage passes
 /// over is such a failure.
@@ -27,6 +31,8 @@
 #include <vector>
 
 #include "graph/graph.hpp"
+#include "runtime/message_block.hpp"
+#include "runtime/message_check.hpp"
 #include "runtime/result.hpp"
 #include "runtime/wiring.hpp"
 
@@ -50,6 +56,29 @@ struct RunOptions {
 
 enum class Outcome { completed, stopped };
 
+/// How a step of a run ended.
+enum class Step { done, halted };
+/// What became of a message from outside: `halted` and `dropped` ones have not reached the graph.
+enum class Delivery { delivered, halted, dropped };
+
+/// A port of a node, by index.
+struct Address {
+    std::size_t node = 0, port = 0;
+};
+
+/// Asked before every event; false: the step ends there, and what waits is handled by a later one.
+using MayGoOn = std::function<bool()>;
+/// Sees what an out port publishes, when it is published. Must not call the runtime.
+using Observer = std::function<void(const MessageRef&)>;
+
+/// A message from outside arrives before an event that was handled, and its node does not take late ones.
+struct LateMessage : BadMessage {
+    using BadMessage::BadMessage;
+};
+
+/// What a node offers to whoever pushes messages into it; nullptr: nothing can be pushed.
+const plr_external* external_of(const Wiring::Node& node);
+
 class Runtime {
 public:
     /// Connects the publish services of the graph's stages. The graph must outlive the runtime.
@@ -64,6 +93,25 @@ public:
     /// (Exit::run_failed) naming node, plugin, call, time and the plugin's message; what stages have written and
     /// results() stay, and all sinks are finished nevertheless (what fails then follows in the same line). Runs once.
     Outcome run(const RunOptions& options);
+
+    /// Handles everything that arrives up to `until` (ns) and is there now: a live source that has nothing yet is not
+    /// waited for. Throws like run(); nothing can happen any more then.
+    Step advance(std::int64_t until, const MayGoOn& may_go_on = nullptr);
+    /// Handles everything until all sources have ended and nothing waits; waits for live sources.
+    Step play(const MayGoOn& may_go_on = nullptr);
+    /// Handles what comes before the message, then gives the message to the in port; what the node publishes then waits
+    /// for the next step. An arrival of INT64_MIN is the message's time. Throws BadMessage, LateMessage: the message is
+    /// refused and counted (`refused`, `late_refused`), the graph is as before; and like run().
+    Delivery deliver(const Address& in_port, const plr_message& message, const MayGoOn& may_go_on = nullptr);
+    /// Finishes all stages in graph order, after steps instead of run(). Throws like run().
+    void finish();
+    /// One observer an out port; nullptr: none.
+    void observe(const Address& out_port, Observer observer);
+    /// The arrival of the event handled last, ns.
+    std::optional<std::int64_t> now() const noexcept;
+    /// Messages that are still to be handled.
+    std::size_t waiting() const noexcept;
+    const Wiring& wiring() const noexcept;
 
     /// The whole graph: every stage's state, queue, feedback values, counters, results so far. Between events: before
     /// run(), after it, or from on_snapshot. Throws Error when a stage cannot save.

@@ -25,16 +25,17 @@ std::vector<Wiring::Port> ports_of(const plr_port* first, std::uint32_t count) {
     return ports;
 }
 
-void ask_streams(Wiring::Node& node, std::uint32_t index) {
-    Wiring::Port& port = node.out_ports[index];
+void ask_streams(const Wiring::Node& node, bool is_output, std::uint32_t index, Wiring::Port& port) {
     plr_port_type type{};
     type.struct_size = sizeof type;
     plr_error error{};
     error.struct_size = sizeof error;
-    const plr_status status = stage_functions(node.instance).port_type(node.instance.self, 1, index, &type, &error);
+    const plr_status status =
+        stage_functions(node.instance).port_type(node.instance.self, is_output ? 1 : 0, index, &type, &error);
     if (status != PLR_OK)
-        throw Error(Exit::run_failed, fmt::format("node {} ({}), out port {}: {}", node.name, node.plugin, port.name,
-                                                  *error.message ? error.message : "it does not say what it carries"));
+        throw Error(Exit::run_failed,
+                    fmt::format("node {} ({}), {} port {}: {}", node.name, node.plugin, is_output ? "out" : "in",
+                                port.name, *error.message ? error.message : "it does not say what it carries"));
     for (std::uint32_t i = 0; type.streams && i < type.stream_count; ++i)
         port.streams.push_back(host::element(type.streams, i));
     port.passes_on = type.passes_on;
@@ -111,8 +112,9 @@ Wiring::Node wire_node(std::string name, const plr_description& description, plr
     node.host = host;
     node.in_ports = ports_of(description.in_ports, description.in_port_count);
     node.out_ports = ports_of(description.out_ports, description.out_port_count);
-    if (stage_functions(instance).port_type)
-        for (std::uint32_t i = 0; i < description.out_port_count; ++i) ask_streams(node, i);
+    if (!stage_functions(instance).port_type) return node;
+    for (std::uint32_t i = 0; i < description.in_port_count; ++i) ask_streams(node, false, i, node.in_ports[i]);
+    for (std::uint32_t i = 0; i < description.out_port_count; ++i) ask_streams(node, true, i, node.out_ports[i]);
     return node;
 }
 

@@ -16,7 +16,7 @@ struct Wiring {
     struct Port {
         std::string name;
         std::uint32_t message = 0;        ///< PLR_MESSAGE_...
-        std::vector<plr_stream> streams;  ///< that an out port declared, passed-on ones included; none: everything goes
+        std::vector<plr_stream> streams;  ///< offered (passed-on ones included) or wanted; none: everything goes
         std::uint32_t passes_on = 0;      ///< 1 + the in port whose streams come out here, too
     };
     struct Node {
@@ -35,7 +35,7 @@ struct Wiring {
 /// A stage's functions; those that its table is too short for are NULL.
 plr_stage stage_functions(const plr_instance& instance);
 
-/// A node from its plugin's description and its instance; asks the instance what its out ports carry. Throws Error.
+/// A node from its plugin's description and its instance; asks the instance what its ports carry. Throws Error.
 Wiring::Node wire_node(std::string name, const plr_description& description, plr_instance instance,
                        host::InstanceHost* host);
 

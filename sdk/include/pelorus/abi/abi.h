@@ -8,6 +8,7 @@
 #include "entry.h"
 #include "estimator.h"
 #include "extent.h"
+#include "external.h"
 #include "frames.h"
 #include "host.h"
 #include "log.h"

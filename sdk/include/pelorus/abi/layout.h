@@ -834,6 +834,11 @@ PLR_AT(plr_output, reserved, 4);
 PLR_AT(plr_output, context, 8);
 PLR_AT(plr_output, folder, 16);
 
+/* external.h */
+PLR_SIZE(plr_external, 8);
+PLR_AT(plr_external, struct_size, 0);
+PLR_AT(plr_external, late, 4);
+
 #undef PLR_AT
 #undef PLR_SIZE
 

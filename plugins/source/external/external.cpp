@@ -1,0 +1,3 @@
+#include "external.hpp"
+
+PELORUS_PLUGIN(source_external::ExternalSource, "source.external");
