@@ -146,7 +146,7 @@ TEST_CASE("libpelorus: a wrong scan is refused in one line and counted, and the 
     status = pipeline.push("radar.scans", scan.message(0));
     CHECK(status.code() == PLR_E_ARGUMENT);
     CHECK(status.item() == 1);
-    CHECK_THAT(status.text(), Contains("scan.measurements has nan"));
+    CHECK_THAT(status.text(), Contains("scan.measurements[1] has nan at (1, 0)"));
     CHECK(counters(pipeline, "radar")["refused"] == 4);
 
     scan.clear();
