@@ -20,7 +20,7 @@ endif()
 
 foreach(_pelorus_component IN LISTS Pelorus_FIND_COMPONENTS)
     if(_pelorus_component STREQUAL "sdk")
-        find_dependency(PelorusSDK EXACT "${Pelorus_VERSION}" PATHS "${_pelorus_prefix}" NO_DEFAULT_PATH)
+        find_dependency(PelorusSDK "${Pelorus_VERSION}" EXACT PATHS "${_pelorus_prefix}" NO_DEFAULT_PATH)
     elseif(Pelorus_FIND_REQUIRED_${_pelorus_component})
         set(Pelorus_FOUND FALSE)
         set(Pelorus_NOT_FOUND_MESSAGE "there is no component ${_pelorus_component}; there is sdk")

@@ -33,7 +33,8 @@ Pipeline::Pipeline(const graph::Document& document, const Options& options)
         if (!fs::is_directory(folder, reason))
             throw Failure(PELORUS_E_CONFIG, "plugin folder " + folder.string() + " is no folder");
     }
-    catalog_ = std::make_unique<host::Catalog>(host::Catalog::default_folders(options_.plugin_folders));
+    // On failure these end while the lock is still held; members would end after it.
+    auto catalog = std::make_unique<host::Catalog>(host::Catalog::default_folders(options_.plugin_folders));
     graph::BuildOptions build;
     build.threads = options_.threads;
     build.variables = options_.variables;
@@ -41,9 +42,12 @@ Pipeline::Pipeline(const graph::Document& document, const Options& options)
         options_.result_folder = fs::absolute(options_.result_folder).lexically_normal();
         build.output_folder = options_.result_folder.string();
     }
-    graph_ = std::make_unique<graph::Graph>(graph::Graph::build(document, *catalog_, build));
-    runtime_ = std::make_unique<runtime::Runtime>(*graph_);
+    auto graph = std::make_unique<graph::Graph>(graph::Graph::build(document, *catalog, build));
+    auto runtime = std::make_unique<runtime::Runtime>(*graph);
     if (!options_.result_folder.empty()) report::prepare_folder(options_.result_folder);
+    catalog_ = std::move(catalog);
+    graph_ = std::move(graph);
+    runtime_ = std::move(runtime);
     describe();
 }
 

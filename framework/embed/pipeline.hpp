@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,7 +31,7 @@ struct Options {
 
 class Pipeline {
 public:
-    /// Throws what Graph::build throws. `config` names the document in provenance.json.
+    /// Throws what Graph::build throws.
     Pipeline(const graph::Document& document, const Options& options);
     ~Pipeline();
     Pipeline(const Pipeline&) = delete;
@@ -66,7 +67,7 @@ private:
 
     // In this order: what is below uses what is above.
     Options options_;
-    std::string config_;
+    std::string config_;  // the file's name, for provenance.json
     std::unique_ptr<host::Catalog> catalog_;
     std::unique_ptr<graph::Graph> graph_;
     std::unique_ptr<runtime::Runtime> runtime_;

@@ -21,8 +21,9 @@ bool says_stop(const MayGoOn& may_go_on) { return may_go_on && !may_go_on(); }
 
 const plr_external* external_of(const Wiring::Node& node) {
     const plr_table_head& head = *node.instance.table;
-    return head.extension ? static_cast<const plr_external*>(head.extension(node.instance.self, PLR_EXTERNAL))
-                          : nullptr;
+    if (!head.extension) return nullptr;
+    const auto* external = static_cast<const plr_external*>(head.extension(node.instance.self, PLR_EXTERNAL));
+    return external && external->struct_size >= sizeof(plr_external) ? external : nullptr;
 }
 
 void Runtime::Implementation::require_alive() const {

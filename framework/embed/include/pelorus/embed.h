@@ -235,7 +235,7 @@ PELORUS_API plr_status pelorus_diagnostic(pelorus_pipeline* pipeline, uint32_t i
  * subscriptions are not part of it: they have left the graph. */
 PELORUS_API plr_status pelorus_snapshot(pelorus_pipeline* pipeline, const plr_writer* writer, plr_error* error);
 /* [exclusive] Takes a snapshot of the same config over, into a pipeline that has not begun. PLR_E_DATA: it is damaged, or of another
- * config, seed or plugin; nothing has changed then. */
+ * config, seed or plugin; nothing has changed then. Where a plugin refuses its own part, the line says so, and the pipeline is broken. */
 PELORUS_API plr_status pelorus_restore(pelorus_pipeline* pipeline, const void* bytes, uint64_t size, plr_error* error);
 
 PLR_EXTERN_C_END
