@@ -42,7 +42,8 @@ TEST_CASE("source.external has no events of its own and passes on what comes in"
 
 TEST_CASE("source.external wants and offers the scans of its sensors, and says its policy", "[source.external]") {
     Bench bench;
-    StageUnderTest stage(bench, plugin_of<ExternalSource>("source.external"), "{late: keep}", one_sensor(bench), "site");
+    StageUnderTest stage(bench, plugin_of<ExternalSource>("source.external"), "{late: keep}", one_sensor(bench),
+                         "site");
     for (const std::uint32_t is_output : {0u, 1u}) {
         plr_port_type type{};
         type.struct_size = sizeof type;

@@ -86,16 +86,15 @@ typedef struct pelorus_options {
     uint32_t struct_size;
     uint32_t threads;                  /* that plugins share; 0: one; PELORUS_ALL_CORES: one a core. Same results */
     const char* const* plugin_folders; /* [plugin_folder_count] looked through first, in this order */
-    const pelorus_setting*
-        overrides; /* [override_count] address and value in YAML: {"radar.sensors.radar.noise", "5 m"} */
-    const pelorus_setting* variables; /* [variable_count] that path parameters may name, before the environment's */
+    const pelorus_setting* overrides;  /* [override_count] address and value: {"radar.noise", "5 m"} */
+    const pelorus_setting* variables;  /* [variable_count] that path parameters may name, before the environment's */
     uint32_t plugin_folder_count;
     uint32_t override_count;
     uint32_t variable_count;
     uint32_t reserved;
     const uint64_t* seed; /* or NULL: the config's */
-    const char*
-        result_folder; /* what sinks write, and summary.json at the end; NULL: none, and sinks of files then fail */
+    /* What sinks write, and summary.json at the end; NULL: none, and sinks of files then fail. */
+    const char* result_folder;
 } pelorus_options;
 
 #define PELORUS_ALL_CORES UINT32_MAX
