@@ -34,7 +34,13 @@ YAML::Node target_of(const YAML::Node& root, const std::string& address) {
 std::string merge_fragment(const std::string& config, const std::string& address, const std::string& fragment) {
     YAML::Node root = YAML::Load(config);
     YAML::Node target = target_of(root, address);
-    for (const auto& entry : YAML::Load(fragment)) target[entry.first.as<std::string>()] = entry.second;
+    for (const auto& entry : YAML::Load(fragment)) {
+        const auto key = entry.first.as<std::string>();
+        if (entry.second.IsNull())
+            target.remove(key);
+        else
+            target[key] = entry.second;
+    }
     std::ostringstream text;
     text << root << "\n";
     return text.str();

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
-#include <optional>
+#include <regex>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
+#include "../fixtures/temporary_folder.hpp"
 #include "../support/markdown.hpp"
 #include "docs_fragment.hpp"
 #include "process.hpp"
@@ -91,17 +93,22 @@ std::size_t places_of(const std::string& part, const std::string& text, std::siz
     return places;
 }
 
+/// `--out`, `--set`, ... wherever they stand, or only where a line of help explains them.
+std::set<std::string> flags_in(const std::string& text, const std::regex& form) {
+    std::set<std::string> flags;
+    for (std::sregex_iterator flag(text.begin(), text.end(), form), end; flag != end; ++flag) flags.insert((*flag)[1]);
+    return flags;
+}
+
 /// A reader's home: a fresh folder with the tree in it, and a shell whose folder and variables last from command to command.
 class Reader {
 public:
-    explicit Reader(const fs::path& home) : home_(home), state_(home.string() + ".state") {
+    explicit Reader(const fs::path& home) : home_(home) {
         fs::remove_all(home_);
-        fs::remove_all(state_);
         fs::create_directories(home_);
-        fs::create_directories(state_);
         copy_tree();
-        std::ofstream(state_ / "folder") << home_.string() << "\n";
-        std::ofstream(state_ / "variables");
+        std::ofstream(state_.path() / "folder") << home_.string() << "\n";
+        std::ofstream(state_.path() / "variables");
     }
 
     /// Output and errors come together in `out`, in the order in which a terminal would show them.
@@ -109,13 +116,13 @@ public:
         static const std::string script =
             ". \"$0/variables\"; cd \"$(<\"$0/folder\")\" || exit 125\n"
             "{ . \"$0/command\"; } 2>&1; status=$?; export -p >\"$0/variables\"; pwd >\"$0/folder\"; exit $status\n";
-        std::ofstream(state_ / "command") << command << "\n";
+        std::ofstream(state_.path() / "command") << command << "\n";
         ProcessOptions options;
         options.environment = environment();
-        return run({"bash", "-c", script, state_.string()}, options);
+        return run({"bash", "-c", script, state_.path().string()}, options);
     }
 
-    fs::path folder() const { return trimmed(read_file(state_ / "folder")); }
+    fs::path folder() const { return trimmed(read_file(state_.path() / "folder")); }
 
     /// A file that a page names: relative to the shell's folder, else to the tree.
     fs::path find(const std::string& name) const {
@@ -129,11 +136,14 @@ private:
     void copy_tree() const {
         const fs::path tree = home_ / "pelorus";
         fs::create_directories(tree / "build");
+        std::vector<std::string> copy = {"cp", "-a"};
         for (const fs::directory_entry& entry : fs::directory_iterator(PELORUS_SOURCE_DIR)) {
             const std::string name = entry.path().filename().string();
-            if (name == "build" || name == "results" || name.rfind(".git", 0) == 0 || name == ".cache") continue;
-            run({"cp", "-a", entry.path().string(), tree.string()});
+            if (name != "build" && name != "results" && name != ".git" && name != ".cache")
+                copy.push_back(entry.path().string());
         }
+        copy.push_back(tree.string());
+        if (run(copy).exit != 0) throw std::runtime_error("cannot copy the tree to " + tree.string());
         fs::create_directory_symlink(PELORUS_BUILD_DIR, tree / "build" / "release");
     }
 
@@ -152,7 +162,8 @@ private:
         return variables;
     }
 
-    fs::path home_, state_;
+    fs::path home_;
+    TemporaryFolder state_;  ///< what lasts from one command to the next
 };
 
 class Execution {
@@ -188,10 +199,12 @@ private:
     }
 
     void execute(const CodeBlock& block) {
+        if (!block.fenced && block.lines.front().rfind("pelorus ", 0) == 0) return synopsis(block);
         if (!block.fenced)
-            return fail(block.line,
-                        "an indented block: fence it, and say what it is: ```console, ```yaml "
-                        "file=NAME, ```text, ... (see docs/writing-docs.md)");
+            return fail(
+                block.line,
+                "an indented block that is no synopsis of a command: fence it, and say what it is: ```console, ```yaml "
+                "file=NAME, ```text, ... (see docs/writing-docs.md)");
         if (block.language == "text") return;
         if (block.language == "console") return console(block);
         if (block.has("from")) return excerpt(block);
@@ -202,6 +215,22 @@ private:
         fail(block.line, "nothing tells what to do with this block (```" + block.language +
                              "): add file=NAME, from=FILE, for yaml into=CONFIG at=ADDRESS or fragment; or make it "
                              "console or text (see docs/writing-docs.md)");
+    }
+
+    /// `pelorus COMMAND ...` with its flags, indented: the command's help has the same ones.
+    void synopsis(const CodeBlock& block) {
+        std::istringstream words(block.text());
+        std::string command;
+        words >> command >> command;
+        static const std::regex anywhere("[ \\[(](--[a-z][a-z-]*)"), explained("\\n  (?:-[a-z], )?(--[a-z][a-z-]*)");
+        const Ended help = reader_.shell("pelorus help " + command);
+        const std::set<std::string> known = flags_in(help.out, explained), told = flags_in(block.text(), anywhere);
+        if (help.exit != 0) fail(block.line, "`pelorus help " + command + "` exits with " + std::to_string(help.exit));
+        for (const std::string& flag : told)
+            if (known.count(flag) == 0) fail(block.line, "`pelorus help " + command + "` knows no " + flag);
+        for (const std::string& flag : known)
+            if (told.count(flag) == 0 && flag != "--help")
+                fail(block.line, "`pelorus help " + command + "` has " + flag + ", which is missing here");
     }
 
     void console(const CodeBlock& block) {

@@ -132,7 +132,7 @@ private:
         heading(line);
         table_row(line);
         links(line);
-        after_blank_ = trimmed(line).empty();
+        after_blank_ = trimmed(line).empty() || line.front() == '#';
         ++at_;
     }
 
@@ -185,9 +185,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 std::string trimmed(const std::string& text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r");
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
     if (begin == std::string::npos) return "";
-    return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
 MarkdownPage parse_markdown(const std::string& text) { return Reader(text).read(); }
