@@ -205,7 +205,11 @@ private:
                 block.line,
                 "an indented block that is no synopsis of a command: fence it, and say what it is: ```console, ```yaml "
                 "file=NAME, ```text, ... (see docs/writing-docs.md)");
-        if (block.language == "text") return;
+        static const std::set<std::string> known = {"file",     "from",   "into",    "at",
+                                                    "fragment", "broken", "plugins", "exit"};
+        for (const auto& mark : block.marks)
+            if (known.count(mark.first) == 0) return fail(block.line, "unknown mark '" + mark.first + "'");
+        if (block.language == "text" && block.marks.empty()) return;
         if (block.language == "console") return console(block);
         if (block.has("from")) return excerpt(block);
         if (block.language == "diff" && block.has("file")) return change(block);
@@ -343,7 +347,7 @@ std::vector<std::string> documented_pages() {
 }
 
 std::vector<std::string> execute_page(const std::string& page) {
-    std::string name = page;
+    std::string name = fs::path(page).is_absolute() ? fs::path(page).filename().string() : page;
     std::replace(name.begin(), name.end(), '/', '-');
     const Reader reader(fs::path(PELORUS_BUILD_DIR) / "tests" / "docs" / name);
     std::vector<std::string> failures;

@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "../fixtures/temporary_folder.hpp"
 #include "../support/markdown.hpp"
 #include "docs_fragment.hpp"
 #include "docs_page.hpp"
@@ -73,6 +74,96 @@ TEST_CASE("a page is read as its author sees it") {
     CHECK(page.blocks[1].has("broken"));
     CHECK(page.blocks[1].text() == "k: 1\n");
     CHECK_THROWS_WITH(parse_markdown("```text\n"), Contains("does not end"));
+}
+
+TEST_CASE("every block that does not hold is told with its line") {
+    const TemporaryFolder folder;
+    const std::string page = folder.write("not-holding.md", R"(<!-- test: upside down -->
+
+```yaml
+unmarked: 1
+```
+
+    indented
+
+```console
+$ echo one
+two
+```
+
+```console
+$ false
+```
+
+```console exit=2
+$ true
+```
+
+```yaml file=bad.yaml
+pelorus: 1
+```
+
+```yaml into=configs/airship.yaml at=world broken
+targets: {other: {use: trajectory.legs, with: {start: [0 m, 0 m, 0 m], speed: 1 m/s}}}
+```
+
+```text from=LICENSE
+This line is not in the licence.
+```
+
+```yaml file=bad.yaml borken
+pelorus: 1
+```
+
+```diff file=bad.yaml
+ pelorus: 2
+-graph:
+```
+
+    pelorus check CONFIG [--sat ADDRESS=VALUE ...] [--seed N] [--plugins DIR ...] [--log-level LEVEL]
+)");
+    const std::vector<std::string> failures = execute_page(page);
+    const std::vector<std::pair<int, std::string>> expected = {
+        {1, "unknown directive"}, {3, "nothing tells"}, {7, "indented block"}, {10, "- two"},
+        {15, "exits with 1"},     {19, "exits with 0"}, {22, "refuses it"},    {26, "finds it good"},
+        {30, "does not have"},    {34, "unknown mark"}, {38, "0 times"},       {43, "knows no --sat"},
+        {43, "missing here"}};
+    CAPTURE(failures);
+    REQUIRE(failures.size() == expected.size());
+    for (std::size_t i = 0; i < failures.size(); ++i)
+        CHECK_THAT(failures[i], Catch::StartsWith(page + ":" + std::to_string(expected[i].first) + ": ") &&
+                                    Contains(expected[i].second));
+}
+
+TEST_CASE("the shell of a page keeps its folder and its variables, and files are where it is") {
+    const TemporaryFolder folder;
+    const std::string page = folder.write("lasting.md", R"(<!-- test: in ~/pelorus -->
+```console
+$ ls -d sdk
+sdk
+$ mkdir -p ~/mine; cd ~/mine; export WORD=kept
+```
+
+```text file=below/note.txt
+first
+last
+```
+
+```console
+$ cat below/note.txt; echo $WORD > \
+> word.txt
+first
+...
+$ cat word.txt; pwd
+kept
+.../mine
+```
+
+```text from=below/note.txt
+last
+```
+)");
+    CHECK(execute_page(page) == std::vector<std::string>{});
 }
 
 TEST_CASE("a fragment replaces what stood under its keys, and nothing else") {
