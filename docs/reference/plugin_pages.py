@@ -34,13 +34,17 @@ def count(limits):
     return str(least) if least == most else f"{least} to {most}"
 
 
+def number(value):
+    return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
+
+
 def type_text(parameter):
     text = parameter["type"]
     if "cols" in parameter:
         text += f" of {count(parameter['rows'])} by {count(parameter['cols'])}"
     elif "rows" in parameter:
         text += f" of {count(parameter['rows'])}" + (" rows" if text == "table" else "")
-    bounds = [f"{words} {parameter[key]:g}" for key, words in BOUNDS if key in parameter]
+    bounds = [f"{words} {number(parameter[key])}" for key, words in BOUNDS if key in parameter]
     return ", ".join([text, *bounds])
 
 
