@@ -14,7 +14,7 @@ namespace pelorus::cli {
 namespace {
 
 /// Commands that the design names and this version does not have.
-const std::vector<std::string> later_commands = {"conform", "schema", "report", "compare"};
+const std::vector<std::string> later_commands = {"conform", "report", "compare"};
 
 const Command* find_command(const std::string& name) {
     const auto found =
@@ -63,8 +63,8 @@ int dispatch(const std::vector<std::string>& words) {
 }  // namespace
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> all = {run_command(), check_command(), list_command(), inspect_command(),
-                                             new_command()};
+    static const std::vector<Command> all = {run_command(),     check_command(), list_command(),
+                                             inspect_command(), new_command(),   schema_command()};
     return all;
 }
 

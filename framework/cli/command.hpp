@@ -23,6 +23,7 @@ Command check_command();
 Command list_command();
 Command inspect_command();
 Command new_command();
+Command schema_command();
 
 /// In the order in which help lists them.
 const std::vector<Command>& commands();

@@ -4,8 +4,10 @@
 
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
+#include "cli/instance_json.hpp"
 #include "cli/output.hpp"
 #include "cli/plugin_json.hpp"
+#include "cli/type_text.hpp"
 #include "host/error.hpp"
 
 namespace pelorus::cli {
@@ -21,32 +23,6 @@ std::string section(const std::string& heading, const std::string& body) {
 
 std::string prose(const std::string& heading, const Json& text) {
     return section(heading, wrapped(text.get<std::string>(), 2));
-}
-
-/// `1`, `1 to 3`, `1 or more`
-std::string range_text(const Json& range) {
-    const int least = range["min"];
-    if (!range.contains("max")) return least == 0 ? "any number" : fmt::format("{} or more", least);
-    const int most = range["max"];
-    return least == most ? std::to_string(least) : fmt::format("{} to {}", least, most);
-}
-
-/// `vector of 3 [m], default [0, 0, 0], at least 0`
-std::string type_text(const Json& parameter) {
-    std::string text = parameter["type"].get<std::string>();
-    if (parameter.contains("cols"))
-        text += " of " + range_text(parameter["rows"]) + " by " + range_text(parameter["cols"]);
-    else if (parameter.contains("rows"))
-        text += " of " + range_text(parameter["rows"]) + (text == "table" ? " rows" : "");
-    if (parameter["unit"] != "") text += " [" + parameter["unit"].get<std::string>() + "]";
-    if (!parameter["default"].is_null())
-        text += ", default " + parameter["default"].get<std::string>();
-    else
-        text += parameter["required"].get<bool>() ? ", required" : ", optional";
-    for (const auto& [key, words] : {std::pair("min", "at least"), std::pair("above", "above"),
-                                     std::pair("max", "at most"), std::pair("below", "below")})
-        if (parameter.contains(key)) text += fmt::format(", {} {:g}", words, parameter[key].get<double>());
-    return text;
 }
 
 std::string parameters_text(const Json& parameters, std::size_t indent) {
@@ -145,7 +121,9 @@ std::string text(const Json& plugin) {
 
 int inspect(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
-    const Json plugin = plugin_json(catalog.load(line.argument(0)));
+    const host::LoadedPlugin& loaded = catalog.load(line.argument(0));
+    Json plugin = description_json(loaded);
+    if (plugin["tier"] == "model") plugin["instance"] = instance_json(loaded);
     print(line.has("json") ? plugin.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text(plugin));
     return static_cast<int>(Exit::done);
 }

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "cli/instance_json.hpp"
 #include "host/description.hpp"
 #include "host/kinds.hpp"
 
@@ -100,7 +99,7 @@ Json ports_json(const plr_port* first, std::uint32_t count) {
 
 }  // namespace
 
-Json plugin_json(const host::LoadedPlugin& plugin) {
+Json description_json(const host::LoadedPlugin& plugin) {
     const plr_description& description = plugin.description();
     const bool is_stage = host::find_kind(plugin.file.kind)->is_stage;
     Json json{{"id", plugin.file.id},
@@ -115,7 +114,6 @@ Json plugin_json(const host::LoadedPlugin& plugin) {
               {"table", plugin.file.table_id},
               {"library", plugin.file.library.string()},
               {"sha256", plugin.sha256()}};
-    if (!is_stage) json["instance"] = instance_json(plugin);
     json["slots"] = slots_json(description);
     json["in_ports"] = ports_json(description.in_ports, description.in_port_count);
     json["out_ports"] = ports_json(description.out_ports, description.out_port_count);

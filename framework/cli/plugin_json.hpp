@@ -1,4 +1,4 @@
-/// All that a plugin says of itself, as JSON: `pelorus inspect --json`, and what its text is made from.
+/// All that a plugin says of itself, as JSON: `pelorus inspect --json`, and what its text and the schema are made from.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,8 +7,7 @@
 
 namespace pelorus::cli {
 
-/// Identity and description of a loaded plugin. Models: under `instance` what an instance with default parameters answers (spaces,
-/// record, extensions), or `{"unavailable": reason}` for one that cannot be made without parts or required parameters.
-nlohmann::ordered_json plugin_json(const host::LoadedPlugin& plugin);
+/// Identity and description of a loaded plugin.
+nlohmann::ordered_json description_json(const host::LoadedPlugin& plugin);
 
 }  // namespace pelorus::cli
