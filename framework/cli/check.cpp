@@ -3,6 +3,7 @@
 
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
+#include "cli/draw/graph_json.hpp"
 #include "cli/output.hpp"
 #include "graph/graph.hpp"
 #include "host/error.hpp"
@@ -10,6 +11,8 @@
 namespace pelorus::cli {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string counted(std::size_t number, const std::string& noun) {
     return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
@@ -32,6 +35,12 @@ int check(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
     const graph::Document document = load_document(line);
     const graph::Graph graph = graph::Graph::build(document, catalog, {});
+    if (line.has("json")) {
+        Json json{{"config", line.argument(0)}};
+        json.update(graph_json(graph));
+        print_json(json);
+        return static_cast<int>(Exit::done);
+    }
     std::vector<std::vector<std::string>> rows;
     for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
         std::string edges;
@@ -48,12 +57,14 @@ int check(const CommandLine& line) {
 }  // namespace
 
 Command check_command() {
+    std::vector<Flag> flags = config_flags();
+    flags.push_back({"json", "", "the nodes, edges and plugins, or the problems, as JSON"});
     return {"check",
             "check wiring and values of a config, run nothing",
             "Reads CONFIG, loads the plugins that it names, checks every key and value against what the plugins say of "
             "themselves, makes all instances and joins the nodes. All that is wrong is told at once, one line each, "
             "FILE:LINE:COLUMN: what was expected.",
-            {{"CONFIG"}, config_flags(), {}},
+            {{"CONFIG"}, flags, {}},
             {{"pelorus check configs/airship.yaml", "is it good?"},
              {"pelorus check c.yaml --set 'tracker.estimator.motion=~'", "is it still, without that part?"}},
             &check};

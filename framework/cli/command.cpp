@@ -1,17 +1,23 @@
 #include "cli/command.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <exception>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <pelorus/abi/threads.h>
 
+#include "cli/completion/candidates.hpp"
+#include "cli/help.hpp"
 #include "cli/output.hpp"
 #include "host/error.hpp"
 
 namespace pelorus::cli {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 /// Commands that the design names and this version does not have.
 const std::vector<std::string> later_commands = {"conform", "report", "compare"};
@@ -35,8 +41,45 @@ const Command& require_command(const std::string& name) {
 }
 
 int help(const std::vector<std::string>& topics) {
+    if (topics == std::vector<std::string>{"--man"}) {
+        print(man_page());
+        return static_cast<int>(Exit::done);
+    }
     if (topics.size() > 1) throw Error(Exit::misuse, "help: one command at a time, got '" + topics[1] + "' as well");
     print(topics.empty() || topics[0] == "help" ? overview() : help_page(require_command(topics[0])));
+    return static_cast<int>(Exit::done);
+}
+
+/// Whoever asked for JSON gets it when the command fails as well.
+void print_error(const std::vector<std::string>& words, const Error& problem) {
+    if (std::find(words.begin(), words.end(), "--json") == words.end()) return;
+    Json problems = Json::array();
+    if (const auto* config = dynamic_cast<const ConfigError*>(&problem))
+        for (const ConfigError::Item& item : config->items())
+            problems.push_back({{"file", item.where.file},
+                                {"line", item.where.line},
+                                {"column", item.where.column},
+                                {"message", item.text}});
+    const std::string text = problem.what();
+    try {
+        print_json({{"error", text.substr(0, text.find('\n'))},
+                    {"exit", static_cast<int>(problem.exit())},
+                    {"problems", std::move(problems)}});
+    } catch (...) {  // nobody reads it: the lines on standard error and the exit code have said it
+        return;
+    }
+}
+
+/// `complete AT WORD...`, which the script of `pelorus completion` calls; nobody types it.
+int complete(const std::vector<std::string>& words) {
+    std::size_t at = 0;
+    const std::string place = words.empty() ? "" : words[0];
+    const auto [end, problem] = std::from_chars(place.data(), place.data() + place.size(), at);
+    if (problem != std::errc() || end != place.data() + place.size() || place.empty())
+        throw Error(Exit::misuse, "complete: expected the number of a word and the words of a command line");
+    std::string text;
+    for (const std::string& candidate : candidates({words.begin() + 1, words.end()}, at)) text += candidate + "\n";
+    print(text);
     return static_cast<int>(Exit::done);
 }
 
@@ -49,10 +92,15 @@ int dispatch(const std::vector<std::string>& words) {
     const std::vector<std::string> rest(words.begin() + 1, words.end());
     if (first == "--help" || first == "-h" || first == "help") return help(rest);
     if (first == "--version") {
+        if (rest == std::vector<std::string>{"--json"}) {
+            print_json({{"version", PELORUS_VERSION}, {"abi", {{"major", PLR_ABI_MAJOR}, {"minor", PLR_ABI_MINOR}}}});
+            return static_cast<int>(Exit::done);
+        }
         if (!rest.empty()) throw Error(Exit::misuse, "--version: unexpected argument '" + rest[0] + "'");
         print(fmt::format("pelorus {} (plugin ABI {}.{})\n", PELORUS_VERSION, PLR_ABI_MAJOR, PLR_ABI_MINOR));
         return static_cast<int>(Exit::done);
     }
+    if (first == "complete") return complete(rest);
     const Command& command = require_command(first);
     const CommandLine line = CommandLine::parse(command.name, command.grammar, rest);
     if (!line.wants_help()) return command.run(line);
@@ -63,8 +111,8 @@ int dispatch(const std::vector<std::string>& words) {
 }  // namespace
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> all = {run_command(),     check_command(), list_command(),
-                                             inspect_command(), new_command(),   schema_command()};
+    static const std::vector<Command> all = {run_command(), check_command(),  list_command(),      inspect_command(),
+                                             new_command(), schema_command(), completion_command()};
     return all;
 }
 
@@ -75,9 +123,11 @@ int run_command_line(const std::vector<std::string>& words) noexcept {
         return static_cast<int>(Exit::run_failed);
     } catch (const ConfigError& problem) {
         tell_raw(std::string(problem.what()) + "\n");  // a line each, which begins with its place
+        print_error(words, problem);
         return static_cast<int>(problem.exit());
     } catch (const Error& problem) {
         tell(problem.what());
+        print_error(words, problem);
         return static_cast<int>(problem.exit());
     } catch (const std::bad_alloc&) {
         tell_raw("pelorus: out of memory\n");

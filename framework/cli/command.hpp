@@ -24,6 +24,7 @@ Command list_command();
 Command inspect_command();
 Command new_command();
 Command schema_command();
+Command completion_command();
 
 /// In the order in which help lists them.
 const std::vector<Command>& commands();

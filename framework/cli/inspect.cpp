@@ -1,144 +1,158 @@
-// `pelorus inspect`: one plugin, laid out for people.
+// `pelorus inspect`: one plugin, all plugins of a library, or the graph of a config.
+#include <algorithm>
+
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
+#include "cli/draw/drawing.hpp"
+#include "cli/draw/graph_json.hpp"
+#include "cli/example.hpp"
 #include "cli/instance_json.hpp"
 #include "cli/output.hpp"
 #include "cli/plugin_json.hpp"
-#include "cli/type_text.hpp"
+#include "cli/plugin_text.hpp"
+#include "graph/graph.hpp"
 #include "host/error.hpp"
 
 namespace pelorus::cli {
 
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Rows = std::vector<std::vector<std::string>>;
 
-std::string section(const std::string& heading, const std::string& body) {
-    return body.empty() ? "" : "\n" + heading + "\n" + body;
+/// Ids of the plugins of a kind, and of those that have a slot for it.
+class Neighbours {
+public:
+    explicit Neighbours(const std::vector<Json>& plugins) : plugins_(plugins) {}
+
+    Json of_kind(const std::string& kind) const {
+        Json ids = Json::array();
+        for (const Json& plugin : plugins_)
+            if (plugin["kind"] == kind) ids.push_back(plugin["id"]);
+        return ids;
+    }
+
+    Json slots_for(const std::string& kind) const {
+        Json places = Json::array();
+        for (const Json& plugin : plugins_)
+            for (const Json& slot : plugin["slots"])
+                if (slot["kind"] == kind) places.push_back({{"plugin", plugin["id"]}, {"slot", slot["name"]}});
+        return places;
+    }
+
+private:
+    const std::vector<Json>& plugins_;
+};
+
+/// All that can be said of a plugin; the others of the catalog serve as its parts and neighbours.
+Json whole_json(Json plugin, const std::vector<Json>& all, const graph::PluginFinder& finder) {
+    const Neighbours neighbours(all);
+    const Json example = ExampleMaker(all).example(plugin);
+    for (Json& slot : plugin["slots"]) slot["takes"] = neighbours.of_kind(slot["kind"]);
+    if (plugin["tier"] == "model") {
+        plugin["stands_in"] = neighbours.slots_for(plugin["kind"]);
+        plugin["instance"] = instance_json(example, finder);
+    }
+    plugin["example"] = example;
+    return plugin;
 }
 
-std::string prose(const std::string& heading, const Json& text) {
-    return section(heading, wrapped(text.get<std::string>(), 2));
+void show(const Json& json, const std::string& text, const CommandLine& line) {
+    if (line.has("json"))
+        print_json(json);
+    else
+        print(text);
 }
 
-std::string parameters_text(const Json& parameters, std::size_t indent) {
+void refuse_config_flags(const CommandLine& line, const std::string& what) {
+    for (const char* flag : {"set", "seed", "dot"})
+        if (line.has(flag))
+            throw Error(Exit::misuse,
+                        fmt::format("inspect: --{} is for configs, and {} is {}", flag, line.argument(0), what));
+}
+
+int inspect_plugin(const CommandLine& line) {
+    refuse_config_flags(line, "taken for a plugin's id");
+    host::Catalog catalog(plugin_folders(line));
+    Json plugin = description_json(catalog.load(line.argument(0)));
+    std::vector<std::string> ignored;  // of plugins that nobody asked for
+    plugin = whole_json(std::move(plugin), all_descriptions(catalog, ignored),
+                        [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });
+    show(plugin, plugin_text(plugin), line);
+    return static_cast<int>(Exit::done);
+}
+
+int inspect_library(const CommandLine& line) {
+    refuse_config_flags(line, "a library");
+    const fs::path file = line.argument(0);
+    host::Catalog library({fs::absolute(file)});
+    if (!library.rejected().empty())
+        throw Error(Exit::misuse, file.string() + ": " + library.rejected().front().reason);
+    std::vector<Json> own;
+    for (const host::PluginFile& each : library.plugins()) own.push_back(description_json(library.load(each.id)));
+    // Another copy of the library where plugins are looked for is no matter: this one is asked for.
+    host::Catalog others(plugin_folders(line));
+    std::vector<std::string> ignored;
+    std::vector<Json> all = all_descriptions(others, ignored);
+    for (const Json& plugin : own) {
+        all.erase(std::remove_if(all.begin(), all.end(), [&](const Json& each) { return each["id"] == plugin["id"]; }),
+                  all.end());
+        all.push_back(plugin);
+    }
+    const auto finder = [&](const std::string& id) -> const host::LoadedPlugin& {
+        return library.find(id) == nullptr ? others.load(id) : library.load(id);
+    };
+    Json list = Json::array();
     std::string text;
-    for (const Json& parameter : parameters) {
-        text += fmt::format("{:{}}{}: {}\n", "", indent, parameter["name"].get<std::string>(), type_text(parameter));
-        text += wrapped(parameter["doc"].get<std::string>(), indent + 4);
-        if (parameter.contains("choices"))
-            for (const Json& choice : parameter["choices"]) {
-                const std::string doc = choice["doc"];
-                text += wrapped(choice["name"].get<std::string>() + (doc.empty() ? "" : ": " + doc), indent + 4);
-            }
-        if (parameter.contains("columns"))
-            text += fmt::format("{:{}}columns\n", "", indent + 4) + parameters_text(parameter["columns"], indent + 6);
+    for (const Json& plugin : own) {
+        list.push_back(whole_json(plugin, all, finder));
+        text += (text.empty() ? "" : "\n") + plugin_text(list.back());
     }
-    return text;
+    show(list, text, line);
+    return static_cast<int>(Exit::done);
 }
 
-std::string space_text(const Json& space) {
-    Rows rows;
-    for (const Json& component : space) {
-        const bool angle = component.contains("angle");
-        std::string prior;
-        if (component.contains("prior") && component["prior"]["deviation"].get<double>() > 0)
-            prior = fmt::format("prior {:g} +- {:g}", component["prior"]["mean"].get<double>(),
-                                component["prior"]["deviation"].get<double>());
-        rows.push_back(
-            {component["name"].get<std::string>(), component["unit"].get<std::string>(), angle ? "angle" : "", prior});
-    }
-    return aligned(rows, 2);
-}
-
-std::string instance_text(const Json& instance) {
-    if (instance.contains("unavailable"))
-        return section(
-            "spaces",
-            wrapped("depend on its parts or on required parameters: " + instance["unavailable"].get<std::string>(), 2));
-    std::string text;
-    if (instance.contains("spaces"))
-        for (const auto& [name, space] : instance["spaces"].items())
-            text += section(name + " space", space_text(space));
-    if (instance.contains("record") && instance["record"] != 0)
-        text += section("record", fmt::format("  {} doubles\n", instance["record"].get<std::int64_t>()));
-    std::string extensions;
-    if (instance.contains("extensions"))
-        for (const Json& id : instance["extensions"]) extensions += "  " + id.get<std::string>() + "\n";
-    return text + section("extensions", extensions);
-}
-
-std::string slots_text(const Json& slots) {
-    std::string text;
-    for (const Json& slot : slots) {
-        text += fmt::format("  {}: kind {}, parts: {}\n", slot["name"].get<std::string>(),
-                            slot["kind"].get<std::string>(), range_text(slot["parts"]));
-        text += wrapped(slot["doc"].get<std::string>(), 6);
-        if (!slot["parameters"].empty())
-            text += "      asks of each part, in its own `with`\n" + parameters_text(slot["parameters"], 8);
-    }
-    return text;
-}
-
-std::string ports_text(const Json& ports) {
-    Rows rows;
-    for (const Json& port : ports) {
-        std::string message = port["message"];
-        if (port["optional"].get<bool>()) message += ", optional";
-        if (port["many"].get<bool>()) message += ", several edges";
-        rows.push_back({port["name"].get<std::string>(), message, port["doc"].get<std::string>()});
-    }
-    return aligned(rows, 2);
-}
-
-std::string inputs_text(const Json& inputs) {
-    Rows rows;
-    for (const Json& input : inputs)
-        rows.push_back({input["name"].get<std::string>(), "[" + input["unit"].get<std::string>() + "]",
-                        "default " + input["default"].dump(), input["doc"].get<std::string>()});
-    return aligned(rows, 2);
-}
-
-std::string text(const Json& plugin) {
-    const auto string = [&](const char* key) { return plugin[key].get<std::string>(); };
-    return string("id") + ": " + string("title") + "\n" +
-           aligned({{"kind", string("kind") + " (" + string("tier") + ")"},
-                    {"version", string("version")},
-                    {"license", string("license")},
-                    {"library", string("library")}},
-                   2) +
-           prose("purpose", plugin["purpose"]) + prose("equation", plugin["equation"]) +
-           prose("source", plugin["source"]) + (plugin.contains("instance") ? instance_text(plugin["instance"]) : "") +
-           section("slots", slots_text(plugin["slots"])) + section("in ports", ports_text(plugin["in_ports"])) +
-           section("out ports", ports_text(plugin["out_ports"])) +
-           section("inputs (values that change while it runs)", inputs_text(plugin["inputs"])) +
-           section("parameters", parameters_text(plugin["parameters"], 2));
+int inspect_config(const CommandLine& line) {
+    if (line.has("dot") && line.has("json")) throw Error(Exit::misuse, "inspect: --dot and --json do not go together");
+    host::Catalog catalog(plugin_folders(line));
+    const graph::Document document = load_document(line);
+    const Json json = graph_json(graph::Graph::build(document, catalog, {}));
+    show(json, line.has("dot") ? graph_dot(json) : graph_text(json), line);
+    return static_cast<int>(Exit::done);
 }
 
 int inspect(const CommandLine& line) {
-    host::Catalog catalog(plugin_folders(line));
-    const host::LoadedPlugin& loaded = catalog.load(line.argument(0));
-    Json plugin = description_json(loaded);
-    if (plugin["tier"] == "model") plugin["instance"] = instance_json(loaded);
-    print(line.has("json") ? plugin.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text(plugin));
-    return static_cast<int>(Exit::done);
+    const fs::path subject = line.argument(0);
+    std::error_code ignored;
+    const std::string extension = subject.extension().string();
+    if (extension == ".so") return inspect_library(line);
+    if (extension == ".yaml" || extension == ".yml" || fs::is_regular_file(subject, ignored))
+        return inspect_config(line);
+    return inspect_plugin(line);
 }
 
 }  // namespace
 
 Command inspect_command() {
+    std::vector<Flag> flags{{"json", "", "as JSON, for programs"},
+                            {"dot", "", "a config's graph in the language of Graphviz"}};
+    for (const Flag& flag : config_flags()) flags.push_back(flag);
     return {
         "inspect",
-        "what one plugin does, and what it takes",
-        "Shows a plugin's purpose, equation and source, the spaces of an instance with default parameters, its slots, "
-        "ports and inputs, and its parameters with type, unit, default, range and choices.",
-        {{"ID"}, {{"json", "", "as JSON, for programs"}, plugins_flag()}, {}},
+        "what one plugin does and takes; the graph of a config",
+        "With the ID of a plugin: its purpose, equation and source, its slots, ports, inputs and parameters with type, "
+        "unit, default, range and choices, the spaces of an instance, and how it is written into a config. With a "
+        "library (LIB.so): the same of each plugin in it.\n\n"
+        "With a config: its graph. Each node with its parts as a tree, the values that are not the defaults, the "
+        "edges, "
+        "and what flows through them: kind of message, sensors, components, frames.",
+        {{"ID|LIB.so|CONFIG"}, flags, {}},
         {{"pelorus list", "which ids there are"},
-         {"pelorus inspect org.example.motion.drag --plugins ./build", "one that was just built"}},
+         {"pelorus inspect build/drag.so", "what is in a library that was just built"},
+         {"pelorus inspect configs/airship.yaml", "the graph of a config"},
+         {"pelorus inspect configs/airship.yaml --dot | dot -Tsvg > graph.svg", "the same as a picture"}},
         &inspect};
 }
 

@@ -1,9 +1,14 @@
 #include "cli/instance_json.hpp"
 
+#include <memory>
+#include <optional>
+
 #include <pelorus/abi/abi.h>
 
+#include "cli/value_json.hpp"
 #include "graph/instance.hpp"
-#include "graph/parameters.hpp"
+#include "graph/plan.hpp"
+#include "graph/yaml.hpp"
 #include "host/description.hpp"
 #include "host/services.hpp"
 
@@ -103,27 +108,23 @@ std::string first_problem(const graph::Problems& problems) {
 
 }  // namespace
 
-Json instance_json(const host::LoadedPlugin& plugin) {
+Json instance_json(const Json& part, const graph::PluginFinder& finder) {
     graph::Problems problems;
-    graph::Value nothing;
-    nothing.kind = graph::Value::Kind::map;
+    graph::Plugins plugins(finder);
     const auto variable = [](const std::string&) { return std::optional<std::string>(); };
-    const plr_description& description = plugin.description();
-    graph::PartPlan plan;
-    plan.address = plugin.file.id;
-    plan.plugin = &plugin;
-    plan.values = graph::read_parameters(description.parameters, description.parameter_count, nothing,
-                                         {problems, plan.address, plugin.file.id, {}, {}, variable});
-    if (!problems.empty()) return {{"unavailable", first_problem(problems)}};
+    const graph::Value written = graph::read_yaml(flow_text(part), {Location("example"), {}, {}});
+    const std::unique_ptr<graph::PartPlan> plan =
+        graph::plan_part(written, part["use"].get<std::string>(), {plugins, problems, {}, variable});
+    if (plan == nullptr || !problems.empty()) return {{"unavailable", first_problem(problems)}};
 
     const host::FrameTree frames;
     const host::ThreadPool pool(1);
     graph::Instances instances;  // after what they use: they go first
-    const graph::Instance* const made = instances.create(plan, {{&frames, &pool, nullptr}, {}, ""}, problems);
+    const graph::Instance* const made = instances.create(*plan, {{&frames, &pool, nullptr}, {}, ""}, problems);
     if (made == nullptr) return {{"unavailable", first_problem(problems)}};
     Json json = Json::object();
     for (const Teller& teller : tellers)
-        if (plugin.file.table_id == teller.table_id) teller.tell(made->instance(), json);
+        if (made->plan().plugin->file.table_id == std::string(teller.table_id)) teller.tell(made->instance(), json);
     const Json extensions = extensions_json(made->instance());
     if (!extensions.empty()) json["extensions"] = extensions;
     return json;

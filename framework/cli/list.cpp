@@ -63,7 +63,7 @@ std::string text(const std::vector<Entry>& entries) {
     return out;
 }
 
-std::string json_text(const std::vector<Entry>& entries) {
+Json entries_json(const std::vector<Entry>& entries) {
     Json list = Json::array();
     for (const Entry& entry : entries)
         list.push_back({{"id", entry.file->id},
@@ -71,7 +71,7 @@ std::string json_text(const std::vector<Entry>& entries) {
                         {"version", entry.file->version},
                         {"title", entry.title},
                         {"library", entry.file->library.string()}});
-    return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return list;
 }
 
 int list(const CommandLine& line) {
@@ -85,7 +85,10 @@ int list(const CommandLine& line) {
         for (const auto& folder : catalog.folders()) folders += (folders.empty() ? "" : ", ") + folder.string();
         tell("no plugins" + (wanted.empty() ? "" : " of kind " + wanted) + " in " + folders);
     }
-    print(line.has("json") ? json_text(entries) : text(entries));
+    if (line.has("json"))
+        print_json(entries_json(entries));
+    else
+        print(text(entries));
     return static_cast<int>(Exit::done);
 }
 

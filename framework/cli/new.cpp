@@ -1,5 +1,6 @@
 // `pelorus new`: a plugin project, ready to build and run.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/command.hpp"
 #include "cli/output.hpp"
@@ -67,8 +68,16 @@ int make_new(const CommandLine& line) {
     }
     const std::string problem = name_problem(project.name);
     if (!problem.empty()) throw Error(Exit::misuse, "new: " + problem);
+    const std::vector<std::string> names = make_project(project);
+    if (line.has("json")) {
+        print_json({{"id", plugin_id(project)},
+                    {"folder", project.folder.string()},
+                    {"files", names},
+                    {"sdk", sdk_prefix().string()}});
+        return static_cast<int>(Exit::done);
+    }
     std::string files;
-    for (const std::string& file : make_project(project)) files += (files.empty() ? "" : ", ") + file;
+    for (const std::string& file : names) files += (files.empty() ? "" : ", ") + file;
     print(fmt::format("{} in {}: {}\n{}", plugin_id(project), project.folder.string(), files, next_steps(project)));
     return static_cast<int>(Exit::done);
 }
@@ -83,7 +92,9 @@ Command new_command() {
         "change, a config that runs it and a README. It becomes NAME.so with the id org.example.KIND.NAME, which is "
         "yours to change.\n\nKinds: " +
             all_kinds() + ".",
-        {{"KIND", "NAME"}, {{"dir", "DIR", "make the folder there instead of here"}}, {}},
+        {{"KIND", "NAME"},
+         {{"dir", "DIR", "make the folder there instead of here"}, {"json", "", "what was made, as JSON"}},
+         {}},
         {{"pelorus new motion drag", "a motion model in ./drag"},
          {"pelorus new tracker nearest --dir /tmp", "a tracker in /tmp/nearest"}},
         &make_new};

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <system_error>
 
+#include <nlohmann/json.hpp>
+
 #include "host/error.hpp"
 
 namespace pelorus::cli {
@@ -48,6 +50,10 @@ void print(const std::string& text) {
     if (write_all(STDOUT_FILENO, text)) return;
     if (errno == EPIPE) throw OutputClosed();
     throw Error(Exit::run_failed, "cannot write to standard output: " + std::generic_category().message(errno));
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+    print(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 void tell(const std::string& line) { tell_raw("pelorus: " + line + "\n"); }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace pelorus::cli {
 
 /// Whoever read standard output has gone (`pelorus list | head -1`): nobody is left to complain to.
@@ -15,6 +17,9 @@ void prepare_streams();
 
 /// Writes to standard output at once. Throws OutputClosed, or Error (Exit::run_failed) with the system's reason.
 void print(const std::string& text);
+
+/// The same, of JSON: indented, with a line end; bytes that are no UTF-8 are replaced.
+void print_json(const nlohmann::ordered_json& json);
 
 /// One line to standard error, `pelorus: LINE`.
 void tell(const std::string& line);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/description.hpp"
+#include "host/error.hpp"
 #include "host/kinds.hpp"
 
 namespace pelorus::cli {
@@ -120,6 +121,18 @@ Json description_json(const host::LoadedPlugin& plugin) {
     json["inputs"] = inputs_json(description);
     json["parameters"] = parameters_json(description.parameters, description.parameter_count);
     return json;
+}
+
+std::vector<Json> all_descriptions(host::Catalog& catalog, std::vector<std::string>& problems) {
+    std::vector<Json> all;
+    for (const host::PluginFile& file : catalog.plugins()) {
+        try {
+            all.push_back(description_json(catalog.load(file.id)));
+        } catch (const Error& problem) {
+            problems.emplace_back(problem.what());
+        }
+    }
+    return all;
 }
 
 }  // namespace pelorus::cli

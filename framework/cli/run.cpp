@@ -132,6 +132,18 @@ Exit tell_ending(const Ending& ending, const Request& request, const Interrupt& 
     return Exit::done;
 }
 
+/// What `--json` prints of a run that came to an end, good or bad.
+nlohmann::ordered_json result_json(const CommandLine& line, const Request& request, const Ending& ending,
+                                   const report::Cell& cell) {
+    nlohmann::ordered_json json{{"config", line.argument(0)},
+                                {"completed", ending.outcome == runtime::Outcome::completed},
+                                {"folder", request.out.string()},
+                                {"files", report::file_names(request.out)},
+                                {"summary", report::summary({cell})}};
+    if (!ending.failure.empty()) json["error"] = ending.failure;
+    return json;
+}
+
 int run(const CommandLine& line) {
     const Request request = read_request(line);
     host::Catalog catalog(plugin_folders(line));
@@ -155,8 +167,12 @@ int run(const CommandLine& line) {
 
     const Exit exit = tell_ending(ending, request, interrupt);
     tell_raw(report::counter_lines(timings));
-    print((graph.title().empty() ? "" : graph.title() + "\n") +
-          report::terminal_table({report::cell_of_run(runtime.results())}) + report::file_line(request.out));
+    const report::Cell cell = report::cell_of_run(runtime.results());
+    if (line.has("json"))
+        print_json(result_json(line, request, ending, cell));
+    else
+        print((graph.title().empty() ? "" : graph.title() + "\n") + report::terminal_table({cell}) +
+              report::file_line(request.out));
     return static_cast<int>(exit);
 }
 
@@ -169,6 +185,7 @@ Command run_command() {
     flags.push_back({"snapshot-at", "TIME", "write the whole run's state at that time (50s) into the result folder"});
     flags.push_back({"stop-at-snapshot", "", "and end the run there"});
     flags.push_back({"resume", "DIR", "go on from the snapshot in DIR, with the same CONFIG and --set"});
+    flags.push_back({"json", "", "the figures and the names of the files as JSON"});
     const std::string campaigns = "comes with campaigns, which are not in this version";
     return {"run",
             "run a config, print its figures, write a result folder",

@@ -15,23 +15,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What cannot be loaded is told and left out, as in `pelorus list`.
-std::vector<Json> descriptions(host::Catalog& catalog) {
-    std::vector<Json> all;
-    for (const host::PluginFile& file : catalog.plugins()) {
-        try {
-            all.push_back(description_json(catalog.load(file.id)));
-        } catch (const Error& problem) {
-            tell(problem.what());
-        }
-    }
-    return all;
-}
-
 int schema(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
-    const std::string text =
-        config_schema(descriptions(catalog)).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    std::vector<std::string> problems;
+    const std::vector<Json> plugins = all_descriptions(catalog, problems);
+    for (const std::string& problem : problems) tell(problem);  // the others are of use all the same
+    const std::string text = config_schema(plugins).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     if (line.has("out"))
         report::write_file(line.value("out"), text);
     else

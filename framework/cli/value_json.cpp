@@ -16,8 +16,9 @@ Json scalar_json(const graph::Value& value) {
 /// Whether YAML in flow style takes the text as it stands, and as a text.
 bool is_plain(const std::string& text) {
     if (text.empty() || text.front() == ' ' || text.back() == ' ') return false;
-    if (text.find_first_of(",[]{}#&*!|>'\"%@`\n\t:") != std::string::npos) return false;
-    if (text.front() == '-' || text.front() == '?' || text.front() == '~') return false;
+    if (text.find_first_of(",[]{}#\"\n\t:") != std::string::npos) return false;
+    if (std::string("?~&*!|>'%@`").find(text.front()) != std::string::npos) return false;
+    if (text.front() == '-' && (text.size() == 1 || text[1] == ' ' || text[1] == '-')) return false;
     const Json read = Json::parse(text, nullptr, false);
     return read.is_discarded();  // numbers, true, false and null are not texts
 }

@@ -65,6 +65,7 @@ struct Graph::Implementation {
     std::unique_ptr<host::ThreadPool> pool;
     std::vector<NodePlan> plans;
     std::vector<Edge> edges;
+    std::vector<std::vector<const plr_stream*>> streams;
     std::vector<std::size_t> order;
     nlohmann::ordered_json resolved;
     Instances instances;  // after all that they use: they are destroyed first
@@ -111,7 +112,7 @@ struct Graph::Implementation {
             nodes.push_back(std::move(node));
         }
         problems.raise();
-        check_streams(nodes, edges, problems);
+        streams = check_streams(nodes, edges, problems);
         problems.raise();
     }
 };
@@ -138,6 +139,10 @@ std::uint64_t Graph::seed() const noexcept { return implementation_->seed; }
 const std::vector<Node>& Graph::nodes() const noexcept { return implementation_->nodes; }
 const std::vector<Edge>& Graph::edges() const noexcept { return implementation_->edges; }
 const std::vector<std::size_t>& Graph::order() const noexcept { return implementation_->order; }
+const std::vector<NodePlan>& Graph::plans() const noexcept { return implementation_->plans; }
+const std::vector<const plr_stream*>& Graph::streams(std::size_t edge) const {
+    return implementation_->streams.at(edge);
+}
 nlohmann::ordered_json Graph::resolved() const { return implementation_->resolved; }
 host::ThreadPool& Graph::pool() noexcept { return *implementation_->pool; }
 

@@ -48,6 +48,8 @@ struct BuildOptions {
 /// Answers the plugin of an id, which then stays loaded, or throws Error.
 using PluginFinder = std::function<const host::LoadedPlugin&(const std::string& id)>;
 
+struct NodePlan;
+
 class Graph {
 public:
     /// Checks the whole document against the plugins' descriptions, creates all instances (parts before holders) and joins
@@ -68,6 +70,10 @@ public:
     const std::vector<Edge>& edges() const noexcept;
     /// Node indices such that every edge but the feedback ones goes forward; ties in file order.
     const std::vector<std::size_t>& order() const noexcept;
+    /// What each node is made of, in file order: plan.hpp tells more.
+    const std::vector<NodePlan>& plans() const noexcept;
+    /// The streams that flow through the edge of that index: sensors, spaces, frames. They live as long as the graph.
+    const std::vector<const plr_stream*>& streams(std::size_t edge) const;
     /// Every plugin that stands anywhere in the graph, once, sorted by id.
     std::vector<const host::LoadedPlugin*> plugins() const;
     /// Every model that stands in a slot anywhere in the graph, parts before holders. Valid as long as the graph.

@@ -43,6 +43,11 @@ public:
         return nodes;
     }
 
+    std::unique_ptr<PartPlan> plan_alone(const Value& part, const std::string& address) {
+        is_alone_ = true;
+        return is_part_map(part, address, part_keys, "part") ? plan_part(part, part.where, address) : nullptr;
+    }
+
 private:
     NodePlan plan_node(const Value::Entry& entry) {
         NodePlan node;
@@ -142,7 +147,7 @@ private:
             return false;
         }
         const host::Kind* known = host::find_kind(kind);
-        if (known != nullptr && known->is_stage) return true;
+        if (is_alone_ || (known != nullptr && known->is_stage)) return true;
         std::vector<std::string> stages;
         for (const host::Kind& each : host::kinds)
             if (each.is_stage) stages.emplace_back(each.name);
@@ -248,6 +253,7 @@ private:
     const Descriptions descriptions_;
     const PartTree tree_;
     std::size_t parts_ = 0, depth_ = 0;
+    bool is_alone_ = false;  // no node, although in no slot
 };
 
 /// `legs[2].duration` -> legs, 2, duration
@@ -294,6 +300,12 @@ Location place_below(const PartPlan& part, const std::vector<std::string>& path,
 
 std::vector<NodePlan> plan_graph(const Value& graph, const PlanContext& context) {
     return Planner(graph, context).plan();
+}
+
+std::unique_ptr<PartPlan> plan_part(const Value& part, const std::string& address, const PlanContext& context) {
+    Value nothing;
+    nothing.kind = Value::Kind::map;
+    return Planner(nothing, context).plan_alone(part, address);
 }
 
 Location place_of(const PartPlan& part, const std::string& where) { return place_below(part, steps(where), 0); }

@@ -51,6 +51,9 @@ struct PlanContext {
 /// have no part then, and parts whose plugin is not known are left out.
 std::vector<NodePlan> plan_graph(const Value& graph, const PlanContext& context);
 
+/// Plans a part that stands by itself, in no slot and no graph. nullptr: its plugin is not known.
+std::unique_ptr<PartPlan> plan_part(const Value& part, const std::string& address, const PlanContext& context);
+
 /// The place that a plugin's error names (`noise`, `legs[2].duration`, `motion`, `sensors.radar.bias`), as exactly as the file
 /// has it; the place of the part itself otherwise.
 Location place_of(const PartPlan& part, const std::string& where);

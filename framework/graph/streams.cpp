@@ -97,6 +97,10 @@ public:
         }
     }
 
+    const std::vector<const plr_stream*>& offered(const Edge& edge) const {
+        return offers_.at({edge.from, edge.from_port}).streams;
+    }
+
 private:
     using Port = std::pair<std::size_t, std::size_t>;  ///< node, out port
 
@@ -217,9 +221,15 @@ private:
 
 }  // namespace
 
-void check_streams(const std::vector<Node>& nodes, const std::vector<Edge>& edges, Problems& problems) {
+std::vector<std::vector<const plr_stream*>> check_streams(const std::vector<Node>& nodes,
+                                                          const std::vector<Edge>& edges, Problems& problems) {
     StreamCheck check(nodes, edges, problems);
-    for (const Edge& edge : edges) check.check(edge);
+    std::vector<std::vector<const plr_stream*>> streams;
+    for (const Edge& edge : edges) {
+        check.check(edge);
+        streams.push_back(check.offered(edge));
+    }
+    return streams;
 }
 
 }  // namespace pelorus::graph

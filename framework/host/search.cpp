@@ -23,6 +23,7 @@ public:
         std::error_code error;
         const fs::path canonical = fs::canonical(path, error);
         if (error) return reject(path, error);
+        if (fs::is_regular_file(canonical, error)) return entry(canonical);
         if (!folders_seen_.insert(canonical).second) return;
         std::vector<fs::path> entries;
         for (fs::directory_iterator it(canonical, error), end; !error && it != end; it.increment(error))

@@ -9,7 +9,8 @@
 
 namespace pelorus::host {
 
-/// All `.so` files below the folders, canonical, each once: by folder, then by path. Symbolic links are followed, loops end.
+/// All `.so` files below the folders, canonical, each once: by folder, then by path. Symbolic links are followed, loops end. In
+/// place of a folder a library may be named.
 /// What could not be searched, and why, is appended to `rejected`.
 std::vector<std::filesystem::path> find_libraries(const std::vector<std::filesystem::path>& folders,
                                                   std::vector<RejectedFile>& rejected);

@@ -78,15 +78,19 @@ std::string counter_lines(const Timings& timings) {
     return text;
 }
 
-std::string file_line(const std::filesystem::path& folder) {
+std::vector<std::string> file_names(const std::filesystem::path& folder) {
     std::vector<std::string> names;
     std::error_code unreadable;
     for (std::filesystem::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
          entry.increment(unreadable))
         if (entry->is_regular_file(unreadable)) names.push_back(entry->path().filename().string());
     std::sort(names.begin(), names.end());
+    return names;
+}
+
+std::string file_line(const std::filesystem::path& folder) {
     std::string list;
-    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    for (const std::string& name : file_names(folder)) list += (list.empty() ? "" : ", ") + name;
     return list.empty() ? "" : folder.string() + ": " + list + '\n';
 }
 

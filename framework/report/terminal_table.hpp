@@ -18,6 +18,9 @@ std::string terminal_table(const std::vector<Cell>& cells);
 /// Counters of the nodes that are not zero, one line a node; "" when there are none.
 std::string counter_lines(const Timings& timings);
 
+/// The files of a result folder, by name.
+std::vector<std::string> file_names(const std::filesystem::path& folder);
+
 /// `DIR: a, b, c`, the files of a result folder by name; "" when there are none.
 std::string file_line(const std::filesystem::path& folder);
 

@@ -1,6 +1,5 @@
 // `pelorus schema`: what it says of configs is what the command itself says of them.
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
@@ -59,20 +58,8 @@ public:
         REQUIRE(ended.out.empty());
     }
 
-    Ended validate(const std::vector<std::string>& configs) const {
-        std::vector<std::string> words{"python3", PELORUS_SOURCE_DIR "/tests/integration/validate_config.py",
-                                       file_.string()};
-        words.insert(words.end(), configs.begin(), configs.end());
-        return run(words);
-    }
-
-    Ended validate_text(const std::string& text) const {
-        const fs::path file = folder_.path() / "config.yaml";
-        std::ofstream(file) << text;
-        return validate({file.string()});
-    }
-
-    const fs::path& file() const { return file_; }
+    Ended validate(const std::vector<std::string>& configs) const { return validate_configs(file_, configs); }
+    Ended validate_text(const std::string& text) const { return validate({folder_.write("config.yaml", text)}); }
 
 private:
     TemporaryFolder folder_;
@@ -150,7 +137,8 @@ TEST_CASE("schema: what is wrong is refused, at its place") {
         {"radar: {use:", "like: {use:", "graph.world.parts.sensors", "like"},
         {"scans: [world.scans]", "scans: worldscans", "graph.tracker.in.scans", "does not match"},
         {"scans: [world.scans]", "scan: world.scans", "graph.tracker.in", "'scans' is a required property"},
-        {"{maximum_speed: 300 m/s, publish: all}", "{}", "graph.tracker.with", "'maximum_speed' is a required property"},
+        {"{maximum_speed: 300 m/s, publish: all}", "{}", "graph.tracker.with",
+         "'maximum_speed' is a required property"},
         {"publish: all", "publish: al", "graph.tracker.with.publish", "is not one of ['updated', 'all']"},
         {"publish: all", "publish: ~", "graph.tracker.with.publish", "is not one of"},
         {"motion: {use: motion.constant_velocity", "motion: {use: sensor.position",

@@ -96,6 +96,13 @@ Ended pelorus_command(std::vector<std::string> arguments, ProcessOptions options
     return run(arguments, options);
 }
 
+Ended validate_configs(const std::filesystem::path& schema, const std::vector<std::string>& configs) {
+    std::vector<std::string> words{"python3", PELORUS_SOURCE_DIR "/tests/integration/validate_config.py",
+                                   schema.string()};
+    words.insert(words.end(), configs.begin(), configs.end());
+    return run(words);
+}
+
 std::string read_file(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw std::runtime_error("no file " + file.string());

@@ -47,6 +47,12 @@ ProjectBuild check_kind(const std::string& kind, const Figure& figure) {
     const Ended inspected = pelorus_command({"inspect", id, "--plugins", project.plugins().string()});
     CHECK(inspected.exit == 0);
     CHECK_THAT(inspected.out, Contains("\npurpose\n"));
+
+    const auto schema = project.folder() / "schema.json";
+    REQUIRE(pelorus_command({"schema", "--plugins", project.plugins().string(), "--out", schema.string()}).exit == 0);
+    const Ended valid = validate_configs(schema, {(project.folder() / "config.yaml").string()});
+    CAPTURE(valid.out, valid.err);
+    CHECK(valid.exit == 0);
     return project;
 }
 
