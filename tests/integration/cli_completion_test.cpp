@@ -1,6 +1,6 @@
 // Completion in bash, and the manual page: both are made from the commands' own descriptions.
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <sstream>
 
 #include "../fixtures/temporary_folder.hpp"
@@ -32,7 +32,7 @@ Words completed(const Words& line, const std::string& folder = ".") {
     return words;
 }
 
-const std::string pelorus = PELORUS_EXECUTABLE;
+const std::string command = PELORUS_EXECUTABLE;
 
 bool has(const Words& words, const std::string& word) {
     return std::find(words.begin(), words.end(), word) != words.end();
@@ -41,20 +41,20 @@ bool has(const Words& words, const std::string& word) {
 }  // namespace
 
 TEST_CASE("bash completes commands, flags, kinds, levels and ids") {
-    CHECK(completed({pelorus, "in"}) == Words{"inspect"});
-    CHECK(completed({pelorus, "c"}) == Words{"check", "completion"});
-    CHECK(has(completed({pelorus, ""}), "run"));
-    CHECK(completed({pelorus, "help", "sch"}) == Words{"schema"});
-    CHECK(completed({pelorus, "run", "c.yaml", "--s"}) ==
+    CHECK(completed({command, "in"}) == Words{"inspect"});
+    CHECK(completed({command, "c"}) == Words{"check", "completion"});
+    CHECK(has(completed({command, ""}), "run"));
+    CHECK(completed({command, "help", "sch"}) == Words{"schema"});
+    CHECK(completed({command, "run", "c.yaml", "--s"}) ==
           Words{"--set", "--seed", "--snapshot-at", "--stop-at-snapshot"});
-    CHECK_FALSE(has(completed({pelorus, "run", "c.yaml", "--seed", "1", "--s"}), "--seed"));
-    CHECK(completed({pelorus, "list", "--kind", "mo"}) == Words{"motion"});
-    CHECK(completed({pelorus, "list", "--kind", "=", "mo"}) == Words{"motion"});
-    CHECK(completed({pelorus, "new", "tra"}) == Words{"trajectory", "tracker"});
-    CHECK(completed({pelorus, "run", "c.yaml", "--log-level", "w"}) == Words{"warning"});
-    CHECK(completed({pelorus, "inspect", "motion.si"}) == Words{"motion.singer"});
-    CHECK(completed({pelorus, "completion", ""}) == Words{"bash"});
-    CHECK(completed({pelorus, "frobnicate", ""}).empty());
+    CHECK_FALSE(has(completed({command, "run", "c.yaml", "--seed", "1", "--s"}), "--seed"));
+    CHECK(completed({command, "list", "--kind", "mo"}) == Words{"motion"});
+    CHECK(completed({command, "list", "--kind", "=", "mo"}) == Words{"motion"});
+    CHECK(completed({command, "new", "tra"}) == Words{"trajectory", "tracker"});
+    CHECK(completed({command, "run", "c.yaml", "--log-level", "w"}) == Words{"warning"});
+    CHECK(completed({command, "inspect", "motion.si"}) == Words{"motion.singer"});
+    CHECK(completed({command, "completion", ""}) == Words{"bash"});
+    CHECK(completed({command, "frobnicate", ""}).empty());
 }
 
 TEST_CASE("bash completes configs and folders") {
@@ -63,21 +63,21 @@ TEST_CASE("bash completes configs and folders") {
     folder.write("picture.png", "");
     std::filesystem::create_directory(folder.path() / "pipes");
     const std::string here = folder.path().string();
-    CHECK(completed({pelorus, "run", "pi"}, here) == Words{"pipeline.yaml", "pipes"});
-    CHECK(completed({pelorus, "run", "pipeline.yaml", "--out", "pi"}, here) == Words{"pipes"});
-    CHECK(completed({pelorus, "run", "pipeline.yaml", "--out", "="}, here) == Words{"pipes"});
-    CHECK(completed({pelorus, "schema", "--out", "pic"}, here) == Words{"picture.png"});
+    CHECK(completed({command, "run", "pi"}, here) == Words{"pipeline.yaml", "pipes"});
+    CHECK(completed({command, "run", "pipeline.yaml", "--out", "pi"}, here) == Words{"pipes"});
+    CHECK(completed({command, "run", "pipeline.yaml", "--out", "="}, here) == Words{"pipes"});
+    CHECK(completed({command, "schema", "--out", "pic"}, here) == Words{"picture.png"});
 }
 
 TEST_CASE("bash completes the addresses of the config after --set") {
     const std::string config = PELORUS_SOURCE_DIR "/configs/airship.yaml";
-    CHECK(completed({pelorus, "run", config, "--set", "tracker.estimator.motion.f"}) ==
+    CHECK(completed({command, "run", config, "--set", "tracker.estimator.motion.f"}) ==
           Words{"tracker.estimator.motion.form="});
-    CHECK(completed({pelorus, "check", "--set", "world.sensors.radar.dr", config}).empty());  // not the last word
-    CHECK(has(completed({pelorus, "check", config, "--set", "world.sensors.radar.d"}), "world.sensors.radar.drop="));
-    CHECK(completed({pelorus, "run", config, "--set", "world.scans", "=", "5"}).empty());
-    CHECK(completed({pelorus, "run", config, "--set", "world.scans", "=", "5", "--thr"}) == Words{"--threads"});
-    CHECK(completed({pelorus, "run", "nowhere.yaml", "--set", "world."}).empty());
+    CHECK(completed({command, "check", "--set", "world.sensors.radar.dr", config}).empty());  // not the last word
+    CHECK(has(completed({command, "check", config, "--set", "world.sensors.radar.d"}), "world.sensors.radar.drop="));
+    CHECK(completed({command, "run", config, "--set", "world.scans", "=", "5"}).empty());
+    CHECK(completed({command, "run", config, "--set", "world.scans", "=", "5", "--thr"}) == Words{"--threads"});
+    CHECK(completed({command, "run", "nowhere.yaml", "--set", "world."}).empty());
 }
 
 TEST_CASE("the manual page has every command and flag, and no fault that mandoc finds") {
@@ -85,7 +85,8 @@ TEST_CASE("the manual page has every command and flag, and no fault that mandoc 
     CHECK(read_file(file) == pelorus_command({"help", "--man"}).out);
     const Ended lint = run({"mandoc", "-Tlint", "-Wwarning", file});
     CAPTURE(lint.out, lint.err);
-    CHECK(lint.exit == 0);
+    CHECK(count(lint.out, "\n") == 1);
+    CHECK_THAT(lint.out, Contains("missing date"));  // so that two builds make the same page
     const Ended page = run({"mandoc", "-Tascii", "-Owidth=200", file});
     CHECK(page.exit == 0);
     std::string text;  // without overstriking
