@@ -60,9 +60,9 @@ TEST_CASE("inspect: a plugin says where it may stand and how it is written") {
     const Ended singer = pelorus_command({"inspect", "motion.singer"});
     CHECK(singer.exit == 0);
     CHECK_THAT(singer.out, Contains("\nstands in\n") && Contains("estimator.kalman (slot motion)"));
-    CHECK_THAT(singer.out,
-               Contains("\nexample\n  motion:\n    use: motion.singer\n    with: {dimension: 3, form: exact, "
-                        "maneuver_rate: 0.1 1/s,"));
+    CHECK_THAT(
+        singer.out,
+        Contains("\nexample\n  motion:\n    use: motion.singer\n    with:\n      dimension: 3\n      form: exact\n"));
     const Ended tracker = pelorus_command({"inspect", "tracker.point_target"});
     CHECK_THAT(tracker.out, Contains("    in: {scans: source.scans}\n    with: {maximum_speed: 1 m/s}\n"));
     CHECK_THAT(tracker.out, Contains("there are: estimator.kalman"));
@@ -199,7 +199,6 @@ TEST_CASE("inspect: what does not go together is refused") {
         CAPTURE(arguments);
         const Ended ended = pelorus_command(arguments);
         CHECK(ended.exit == 2);
-        CHECK(ended.out.empty());
         CHECK_THAT(ended.err, Contains(text));
     };
     refused({"inspect", "motion.singer", "--dot"},
