@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
-#include "process.hpp"
+#include "../support/process.hpp"
 
 using namespace pelorus::test;
 using Catch::Contains;

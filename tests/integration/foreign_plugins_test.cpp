@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
-#include "process.hpp"
+#include "../support/process.hpp"
 #include "project_build.hpp"
 
 using namespace pelorus::test;

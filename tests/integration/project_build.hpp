@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "process.hpp"
+#include "../support/process.hpp"
 
 namespace pelorus::test {
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "process.hpp"
+#include "../support/process.hpp"
 #include "project_build.hpp"
 
 using namespace pelorus::test;
