@@ -8,6 +8,7 @@
 
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
+#include "cli/crash.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
@@ -34,6 +35,7 @@ struct Request {
     std::optional<std::int64_t> snapshot_at;  // ns
     bool stop_at_snapshot = false;
     unsigned threads = 1;
+    host::GuardMode guard = host::GuardMode::start;
 };
 
 std::int64_t read_time(const std::string& flag, const std::string& text) {
@@ -54,6 +56,7 @@ Request read_request(const CommandLine& line) {
     request.stop_at_snapshot = line.has("stop-at-snapshot");
     if (request.stop_at_snapshot && !request.snapshot_at)
         throw Error(Exit::misuse, "--stop-at-snapshot: --snapshot-at TIME is missing");
+    request.guard = host::guard_mode(line.value("guard", "start"));
     request.threads = static_cast<unsigned>(line.number("threads", 1, 1024));
     return request;
 }
@@ -150,6 +153,7 @@ int run(const CommandLine& line) {
     const graph::Document document = load_document(line);
     graph::BuildOptions build;
     build.threads = request.threads;
+    build.guard = request.guard;
     build.output_folder = fs::absolute(request.out).lexically_normal().string();
     graph::Graph graph = graph::Graph::build(document, catalog, build);
     runtime::Runtime runtime(graph);
@@ -157,6 +161,7 @@ int run(const CommandLine& line) {
     report::prepare_folder(request.out);
     remove_old_results(request.out);
 
+    const CrashFolder crash_folder(request.out);
     Interrupt interrupt;
     const Ending ending = run_to_end(runtime, request, interrupt);
     const report::Timings timings = report::timings_of(graph, runtime, ending.seconds);
@@ -182,6 +187,9 @@ Command run_command() {
     std::vector<Flag> flags = config_flags();
     flags.insert(flags.begin(), {"out", "DIR", "the result folder, instead of ./results/CONFIG-NAME"});
     flags.push_back({"threads", "N", "threads that plugins share (1 unless given, 0: one a core); same results"});
+    flags.push_back({"guard", "MODE",
+                     "which calls of models are checked against the contract: off, start (default: the first 16 of each "
+                     "function), all; same results"});
     flags.push_back({"snapshot-at", "TIME", "write the whole run's state at that time (50s) into the result folder"});
     flags.push_back({"stop-at-snapshot", "", "and end the run there"});
     flags.push_back({"resume", "DIR", "go on from the snapshot in DIR, with the same CONFIG and --set"});

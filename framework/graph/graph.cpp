@@ -61,6 +61,7 @@ struct Graph::Implementation {
     Settings settings;
     std::uint64_t seed = 0;
     std::string output_folder;
+    host::GuardMode guard = host::GuardMode::start;
     host::FrameTree frames;
     std::unique_ptr<host::ThreadPool> pool;
     std::vector<NodePlan> plans;
@@ -95,11 +96,14 @@ struct Graph::Implementation {
     void create(const BuildOptions& options) {
         Problems problems;
         output_folder = options.output_folder;
+        guard = options.guard;
         pool = std::make_unique<host::ThreadPool>(options.threads);
         for (const NodePlan& plan : plans) {
-            const TreeContext context{{&frames, pool.get(), &output_folder},
-                                      host::node_key(seed, options.run, plan.name),
-                                      plan.frame.c_str()};
+            const TreeContext context{
+                {&frames, pool.get(), &output_folder, std::make_shared<host::FaultLatch>()},
+                host::node_key(seed, options.run, plan.name),
+                plan.frame.c_str(),
+                options.guard};
             Instance* instance = instances.create(*plan.part, context, problems);
             if (instance == nullptr) continue;
             Node node;
@@ -144,6 +148,7 @@ const std::vector<const plr_stream*>& Graph::streams(std::size_t edge) const {
     return implementation_->streams.at(edge);
 }
 nlohmann::ordered_json Graph::resolved() const { return implementation_->resolved; }
+host::GuardMode Graph::guard() const noexcept { return implementation_->guard; }
 host::ThreadPool& Graph::pool() noexcept { return *implementation_->pool; }
 
 std::vector<plr_part> Graph::models() const { return implementation_->instances.models(); }

@@ -13,6 +13,7 @@
 #include "graph/document.hpp"
 #include "host/catalog.hpp"
 #include "host/error.hpp"
+#include "host/guard/mode.hpp"
 #include "host/services.hpp"
 
 namespace pelorus::graph {
@@ -43,6 +44,8 @@ struct BuildOptions {
     std::map<std::string, std::string> variables;
     /// The result folder, absolute, for plugins that write files (ABI output.h); "" : none.
     std::string output_folder;
+    /// How closely calls of models and deliveries to stages are checked. Results do not depend on it.
+    host::GuardMode guard = host::GuardMode::start;
 };
 
 /// Answers the plugin of an id, which then stays loaded, or throws Error.
@@ -65,6 +68,7 @@ public:
 
     const std::string& title() const noexcept;
     std::uint64_t seed() const noexcept;
+    host::GuardMode guard() const noexcept;
     /// In file order.
     const std::vector<Node>& nodes() const noexcept;
     const std::vector<Edge>& edges() const noexcept;

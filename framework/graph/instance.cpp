@@ -1,5 +1,6 @@
 #include "graph/instance.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "graph/contract.hpp"
@@ -17,7 +18,9 @@ Instance::~Instance() {
     if (instance_.table == nullptr || instance_.table->struct_size < sizeof(plr_table_head) ||
         instance_.table->destroy == nullptr)
         return;
+    guard_ = host::Guard();  // first: once destroyed, `self` may come back as another instance
     plr_error error = host::empty_error();
+    const host::Breadcrumb crumb(mark("destroy"));
     const plr_status status = host::guarded(error, [&] {
         instance_.table->destroy(instance_.self);
         return PLR_OK;
@@ -25,6 +28,28 @@ Instance::~Instance() {
     if (status == PLR_OK) return;
     const plr_log& log = *host_.log();
     log.write(log.context, PLR_LOG_ERROR, ("destroy: " + host::error_text(status, error)).c_str());
+}
+
+host::CallMark Instance::mark(const char* call) const noexcept {
+    host::CallMark mark{};
+    mark.subject = plan_.address.c_str();
+    mark.plugin = plan_.description().id;
+    mark.call = call;
+    return mark;
+}
+
+void Instance::set_guard(host::GuardMode mode, const std::shared_ptr<host::FaultLatch>& latch) {
+    const plr_description& description = plan_.description();
+    const std::size_t below = plan_.slot.size() + (plan_.name.empty() ? 0 : plan_.name.size() + 1);
+    host::GuardedPart part;
+    part.address = plan_.address;
+    part.plugin = description.id;
+    part.holder = plan_.address.substr(0, plan_.address.size() - std::min(plan_.address.size(), below + 1));
+    part.table_id = plan_.plugin->plugin->table_id;
+    part.instance = instance_;
+    part.input_size = config_.input_size;
+    part.cells_may_overlap = (description.flags & PLR_DESCRIPTION_OVERLAP) != 0;
+    guard_ = host::Guard(part, mode, latch);
 }
 
 plr_part Instance::as_part() const {
@@ -36,7 +61,7 @@ plr_part Instance::as_part() const {
     part.address = plan_.address.c_str();
     part.table_id = plan_.plugin->plugin->table_id;
     part.description = &plan_.description();
-    part.instance = instance_;
+    part.instance = guard_.is_on() ? guard_.instance() : instance_;
     part.values = plan_.slot_values.data();
     return part;
 }
@@ -120,8 +145,16 @@ private:
         const std::string id = plan.description().id;
         plr_error error = host::empty_error();
         plr_instance made{};
-        const plr_status status =
-            host::guarded(error, [&] { return plan.plugin->plugin->create(&instance.config_, &made, &error); });
+        const plr_status status = host::guarded(error, [&] {
+            const host::Breadcrumb crumb(instance.mark("create"));
+            return plan.plugin->plugin->create(&instance.config_, &made, &error);
+        });
+        if (status == PLR_OK) instance.instance_ = made;
+        const host::FaultLatch* const faults = instance.host_.faults();
+        if (faults != nullptr && faults->is_set()) {  // a part's, whatever its holder makes of it
+            problems_.add(plan.use_where, faults->line());
+            return false;
+        }
         if (status != PLR_OK) {
             const std::string where = host::one_line(error.where, sizeof error.where);
             error.where[0] = '\0';
@@ -129,10 +162,12 @@ private:
                                                      host::error_text(status, error));
             return false;
         }
-        instance.instance_ = made;
+        const host::Breadcrumb crumb(instance.mark("info"));
         const std::string problem = instance_problem(plan.plugin->plugin->table_id, plan.description(), made);
         if (!problem.empty())
             problems_.add(plan.use_where, plan.address + ": " + id + " breaks the contract: " + problem);
+        else if (!plan.slot.empty())
+            instance.set_guard(context_.guard, context_.services.faults);
         return problem.empty();
     }
 

@@ -11,6 +11,8 @@
 
 #include "graph/plan.hpp"
 #include "graph/problems.hpp"
+#include "host/breadcrumb.hpp"
+#include "host/guard/guard.hpp"
 #include "host/services.hpp"
 
 namespace pelorus::graph {
@@ -28,11 +30,14 @@ public:
     const plr_instance& instance() const noexcept { return instance_; }
     host::InstanceHost& host() noexcept { return host_; }
 
-    /// As it stands in its holder's plr_config.parts.
+    /// As it stands in its holder's plr_config.parts: with the guard's table, where it is guarded.
     plr_part as_part() const;
 
 private:
     friend class TreeBuilder;
+    host::CallMark mark(const char* call) const noexcept;
+    void set_guard(host::GuardMode mode, const std::shared_ptr<host::FaultLatch>& latch);
+
     const PartPlan& plan_;
     host::InstanceHost host_;
     std::vector<plr_part> parts_;
@@ -40,12 +45,14 @@ private:
     std::vector<plr_input_place> inputs_;
     plr_config config_{};
     plr_instance instance_{};
+    host::Guard guard_;  // of a model
 };
 
 struct TreeContext {
     host::InstanceHost::Shared services;
     plr_key key{};
     const char* frame = "";  ///< outlives the instances
+    host::GuardMode guard = host::GuardMode::start;
 };
 
 /// All instances of a graph, in the order in which they were created.

@@ -24,7 +24,7 @@ spdlog::level::level_enum spdlog_level(std::int32_t level) noexcept {
 }  // namespace
 
 InstanceHost::InstanceHost(std::string address, std::string plugin_id, Shared shared)
-    : address_(std::move(address)), plugin_id_(std::move(plugin_id)), shared_(shared) {
+    : address_(std::move(address)), plugin_id_(std::move(plugin_id)), shared_(std::move(shared)) {
     logger_ = make_logger(plugin_id_.empty() ? address_ : address_ + " (" + plugin_id_ + ")");
     log_ = {sizeof log_, abi_level(logger_->level()), this, write_log};
     publish_ = {sizeof publish_, 0, this, publish};

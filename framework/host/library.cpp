@@ -13,6 +13,7 @@
 #include <mutex>
 #include <vector>
 
+#include "host/breadcrumb.hpp"
 #include "host/error.hpp"
 #include "host/plugin_error.hpp"
 #include "host/services.hpp"
@@ -75,7 +76,15 @@ std::string loader_text(const std::string& message) {
     return message.substr(begin + begin_mark.size(), end - begin - begin_mark.size());
 }
 
+CallMark mark(const Library& library, const char* call) noexcept {
+    CallMark mark{};
+    mark.subject = library.path.c_str();
+    mark.call = call;
+    return mark;
+}
+
 void open(Resident& resident) {
+    const Breadcrumb crumb(mark(resident.library, "loading"));
     namespace dll = boost::dll;
     try {
         resident.handle.load(resident.library.path, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
@@ -113,6 +122,7 @@ void end_last_library() {
         residents.started.pop_back();
     }
     plr_error error = empty_error();
+    const Breadcrumb crumb(mark(last->library, "deinit"));
     const auto deinit = [last] {
         last->library.entry->deinit();
         return PLR_OK;
@@ -128,6 +138,7 @@ void start(Resident& resident, Residents& residents) {
         std::make_unique<InstanceHost>(resident.library.path.filename().string(), "", InstanceHost::Shared{});
     if (entry.init != nullptr) {
         plr_error error = empty_error();
+        const Breadcrumb crumb(mark(resident.library, "init"));
         const plr_status status = guarded(error, [&] { return entry.init(resident.host->host(), &error); });
         if (status != PLR_OK) refuse("its init failed: " + error_text(status, error));
     }
@@ -175,6 +186,7 @@ const plr_plugin& make_plugin(const Library& library, const std::string& id) {
     const std::lock_guard<std::mutex> lock(Residents::get().mutex);
     const plr_plugin* plugin = nullptr;
     plr_error error = empty_error();
+    const Breadcrumb crumb(mark(library, "factory"));
     const auto factory = [&] {
         plugin = library.entry->factory(id.c_str());
         return PLR_OK;

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "host/alternate_stack.hpp"
+#include "host/breadcrumb.hpp"
 #include "host/error.hpp"
 #include "host/plugin_error.hpp"
 #include "host/services.hpp"
@@ -47,6 +49,7 @@ public:
     /// Takes blocks until none is left. Blocks are handed out in ascending order; so when one fails, all before it are already
     /// taken and will be finished, and which one is the first to fail does not depend on the threads.
     void work(plr_scratch& scratch) noexcept {
+        const BorrowedBreadcrumb crumb(callers_call_);
         const Within* const before = within;
         within = &level_;
         for (std::int64_t index = next_++; index < blocks() && index < first_failed_; index = next_++) {
@@ -88,6 +91,7 @@ private:
     const Body body_;
     void* const argument_;
     const Within level_;
+    const CallMark* const callers_call_ = innermost_call;  // a job is made by the thread that runs it
     std::atomic<std::int64_t> next_{0};
     std::atomic<std::int64_t> first_failed_{no_block};
     std::mutex mutex_;
@@ -130,6 +134,7 @@ struct ThreadPool::Implementation {
 
     /// A worker's life.
     void serve(unsigned char* memory) {
+        const AlternateStack stack;
         plr_scratch own{memory, scratch_bytes, 0};
         std::uint64_t last_seen = 0;
         std::unique_lock<std::mutex> lock(mutex);

@@ -11,6 +11,8 @@
 
 #include <pelorus/abi/abi.h>
 
+#include "host/guard/fault.hpp"
+
 namespace spdlog {
 class logger;
 }
@@ -93,6 +95,7 @@ public:
         const FrameTree* frames = nullptr;
         const ThreadPool* pool = nullptr;
         const std::string* output_folder = nullptr;  ///< absolute; nullptr or empty: no files are kept
+        std::shared_ptr<FaultLatch> faults = nullptr;  ///< of the stage's tree, or nullptr: models are not guarded
     };
     InstanceHost(std::string address, std::string plugin_id, Shared shared);
     ~InstanceHost();
@@ -105,6 +108,8 @@ public:
     void connect(Publisher* publisher) noexcept { publisher_ = publisher; }
     const std::string& address() const noexcept { return address_; }
     const std::string& plugin_id() const noexcept { return plugin_id_; }
+    /// What the guard finds wrong with the models of the stage's tree, or nullptr.
+    const FaultLatch* faults() const noexcept { return shared_.faults.get(); }
 
     struct Gauge {
         std::string unit;

@@ -48,7 +48,7 @@ struct Runtime::Implementation {
     void check_announcement(std::size_t node, Time arrival) const;
     void handle(const Outlook& outlook);
     void handle_message();
-    void deliver(std::size_t edge, const plr_message& message);
+    void deliver(std::size_t edge, const MessageRef& message);
     bool deliver_feedback(std::size_t node);
     void commit(std::size_t node);
     Outcome loop(const RunOptions& options);
@@ -87,6 +87,7 @@ struct Runtime::Implementation {
     using EdgesOfPorts = std::vector<std::vector<std::size_t>>;  // [out ports] edges
     std::vector<EdgesOfPorts> forward, backward;                 // [nodes] receivers in file order; feedback edges
     std::vector<std::uint32_t> edge_numbers;                     // [edges] among those that end at the same in port
+    std::vector<std::uint32_t> deliveries_to_check;              // [edges] how many more
     std::vector<bool> has_forward_input;                         // [nodes]
     std::vector<EventQueue> feedback;              // [nodes] what waits at the feedback edges that end there
     std::vector<SourceState> sources;              // [nodes]

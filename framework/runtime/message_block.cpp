@@ -2,7 +2,14 @@
 
 #include <new>
 
+#include "host/guard/memory.hpp"
+
 namespace pelorus::runtime {
+
+std::uint64_t MessageRef::fingerprint() const noexcept {
+    return host::fingerprint(&block_->message, sizeof block_->message) ^
+           host::fingerprint(block_->payload(), block_->size);
+}
 namespace {
 
 constexpr std::uint32_t smallest_class = 9;  // 512 bytes: an empty scan with its space

@@ -45,6 +45,8 @@ public:
     explicit operator bool() const noexcept { return block_ != nullptr; }
     const plr_message& operator*() const noexcept { return block_->message; }
     const plr_message* operator->() const noexcept { return &block_->message; }
+    /// Of all its bytes, to see whether a receiver changed it.
+    std::uint64_t fingerprint() const noexcept;
     /// For its maker, before it is shared.
     plr_message& writable() noexcept { return block_->message; }
 

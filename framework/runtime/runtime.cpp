@@ -14,6 +14,8 @@
 namespace pelorus::runtime {
 namespace {
 
+constexpr std::uint32_t checked_at_start = 16;  // deliveries of each edge
+
 bool is_set(const std::atomic<bool>* flag) { return flag && flag->load(std::memory_order_relaxed); }
 
 }  // namespace
@@ -44,6 +46,7 @@ Runtime::Implementation::Implementation(Wiring given) : wiring(std::move(given))
     std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> edges_at;  // (node, in port)
     for (std::size_t i = 0; i < wiring.edges.size(); ++i) {
         const graph::Edge& edge = wiring.edges[i];
+        deliveries_to_check.push_back(wiring.guard == host::GuardMode::off ? 0 : checked_at_start);
         edge_numbers.push_back(edges_at[{edge.to, edge.to_port}]++);
         receives[edge.to] = true;
         if (!edge.previous) has_forward_input[edge.to] = true;
@@ -123,11 +126,19 @@ void Runtime::Implementation::commit(std::size_t node) {
     runner.outbox().clear();
 }
 
-void Runtime::Implementation::deliver(std::size_t edge_index, const plr_message& message) {
+void Runtime::Implementation::deliver(std::size_t edge_index, const MessageRef& message) {
     const graph::Edge& edge = wiring.edges[edge_index];
-    plr_message delivered = message;
+    plr_message delivered = *message;
     delivered.edge = edge_numbers[edge_index];
+    std::uint32_t& to_check = deliveries_to_check[edge_index];
+    const bool checked = to_check > 0;
+    if (checked && wiring.guard == host::GuardMode::start) --to_check;
+    const std::uint64_t before = checked ? message.fingerprint() : 0;
     runners[edge.to]->receive(*now, static_cast<std::uint32_t>(edge.to_port), delivered);
+    if (checked && message.fingerprint() != before)
+        throw runners[edge.to]->error(
+            "receive " + wiring.nodes[edge.to].in_ports[edge.to_port].name + " at " + seconds_text(*now),
+            "changed the message that it received; messages are shared by all receivers, and not to be written");
     commit(edge.to);
 }
 
@@ -135,7 +146,7 @@ bool Runtime::Implementation::deliver_feedback(std::size_t node) {
     bool delivered = false;
     while (!feedback[node].empty() && feedback[node].next().arrival < *now) {
         const Event event = feedback[node].pop();
-        deliver(event.channel, *event.message);
+        deliver(event.channel, event.message);
         delivered = true;
     }
     return delivered;
@@ -146,7 +157,7 @@ void Runtime::Implementation::handle_message() {
     now = event.key.arrival;
     for (const std::size_t edge : forward[event.key.node][event.channel]) {
         deliver_feedback(wiring.edges[edge].to);
-        deliver(edge, *event.message);
+        deliver(edge, event.message);
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/breadcrumb.hpp"
 #include "host/kinds.hpp"
 #include "host/plugin_error.hpp"
 #include "runtime/message_copy.hpp"
@@ -53,7 +54,9 @@ StageRunner::StageRunner(const Wiring::Node& node, bool receives, MessagePool& p
 
 StageRunner::~StageRunner() { node_.host->connect(nullptr); }
 
-template <class Function> plr_status StageRunner::guarded(std::int64_t time, bool publishes, Function function) {
+template <class Function>
+plr_status StageRunner::guarded(const char* name, std::int64_t time, bool publishes, Function function,
+                                const char* port) {
     error_.struct_size = sizeof error_;
     error_.code = PLR_OK;
     error_.item = -1;
@@ -66,8 +69,10 @@ template <class Function> plr_status StageRunner::guarded(std::int64_t time, boo
     call.log = node_.host->log();
     outbox_.clear();
     refused_publication_.clear();
+    fault_.clear();
     publishing_ = publishes;
     arrival_ = time;
+    const host::Breadcrumb crumb({node_.name.c_str(), node_.plugin.c_str(), name, port, time, true});
     const auto start = std::chrono::steady_clock::now();
     plr_status status = host::guarded(error_, [&] { return function(call); });
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -78,11 +83,20 @@ template <class Function> plr_status StageRunner::guarded(std::int64_t time, boo
         error_.code = PLR_OK;
         status = host::tell(&error_, PLR_E_ARGUMENT, refused_publication_);
     }
+    if (const host::FaultLatch* faults = node_.host->faults(); faults != nullptr && faults->is_set()) {
+        // Whatever the stage made of it: what a model that breaks its contract answers is not worth going on with.
+        fault_ = faults->line();
+        status = PLR_E_PART;
+    } else if (status > PLR_ITEMS_FAILED || status < PLR_E_EXCEPTION) {
+        fault_ = fmt::format("answered status {}, expected PLR_OK or PLR_E_... (0 or {} to {})", status,
+                             static_cast<int>(PLR_E_ARGUMENT), static_cast<int>(PLR_E_EXCEPTION));
+    }
     if (status != PLR_OK) outbox_.clear();
     return status;
 }
 
 std::string StageRunner::told(plr_status status) const {
+    if (!fault_.empty()) return fault_;
     const std::string text = host::error_text(status, error_);
     return error_.item >= 0 ? fmt::format("{} (item {})", text, error_.item) : text;
 }
@@ -99,7 +113,7 @@ plr_next StageRunner::next(std::int64_t now) {
     plr_next answer{};
     answer.struct_size = sizeof answer;
     const plr_status status =
-        guarded(now, false, [&](const plr_call& call) { return stage_.next(node_.instance.self, &call, &answer); });
+        guarded("next", now, false, [&](const plr_call& call) { return stage_.next(node_.instance.self, &call, &answer); });
     if (status != PLR_OK) expect_ok(status, "next at " + seconds_text(now));
     if (answer.what < PLR_NEXT_DATA || answer.what > PLR_NEXT_END)
         throw error("next at " + seconds_text(now), fmt::format("answered {}, expected PLR_NEXT_DATA, PLR_NEXT_WAIT or "
@@ -110,14 +124,15 @@ plr_next StageRunner::next(std::int64_t now) {
 
 void StageRunner::emit(std::int64_t arrival) {
     const plr_status status =
-        guarded(arrival, true, [&](const plr_call& call) { return stage_.emit(node_.instance.self, &call); });
+        guarded("emit", arrival, true, [&](const plr_call& call) { return stage_.emit(node_.instance.self, &call); });
     if (status != PLR_OK) expect_ok(status, "emit at " + seconds_text(arrival));
 }
 
 bool StageRunner::receive(std::int64_t arrival, std::uint32_t port, const plr_message& message) {
-    const plr_status status = guarded(arrival, true, [&](const plr_call& call) {
-        return stage_.receive(node_.instance.self, &call, port, &message);
-    });
+    const plr_status status = guarded(
+        "receive", arrival, true,
+        [&](const plr_call& call) { return stage_.receive(node_.instance.self, &call, port, &message); },
+        node_.in_ports[port].name.c_str());
     if (status == PLR_OK) return true;
     const std::string what = fmt::format("receive {} at {}", node_.in_ports[port].name, seconds_text(arrival));
     if (status != PLR_E_DATA) expect_ok(status, what);
@@ -137,7 +152,7 @@ void StageRunner::log_refusal(const std::string& line) {
 void StageRunner::finish(std::int64_t arrival) {
     if (!stage_.finish) return;
     const plr_status status =
-        guarded(arrival, true, [&](const plr_call& call) { return stage_.finish(node_.instance.self, &call); });
+        guarded("finish", arrival, true, [&](const plr_call& call) { return stage_.finish(node_.instance.self, &call); });
     if (status != PLR_OK) expect_ok(status, "finish at " + seconds_text(arrival));
 }
 
@@ -149,14 +164,14 @@ std::optional<std::vector<unsigned char>> StageRunner::save() {
     writer.context = &state;
     writer.write = append;
     const plr_status status =
-        guarded(0, false, [&](const plr_call& call) { return stage_.save(node_.instance.self, &writer, call.error); });
+        guarded("save", 0, false, [&](const plr_call& call) { return stage_.save(node_.instance.self, &writer, call.error); });
     expect_ok(status, "save");
     return state;
 }
 
 void StageRunner::load(const std::vector<unsigned char>& state) {
     if (!stage_.load) throw error("load", "the snapshot holds state for it, but the stage has no function load");
-    const plr_status status = guarded(0, false, [&](const plr_call& call) {
+    const plr_status status = guarded("load", 0, false, [&](const plr_call& call) {
         return stage_.load(node_.instance.self, state.data(), state.size(), call.error);
     });
     expect_ok(status, "load");

@@ -75,7 +75,9 @@ public:
 private:
     plr_status publish(std::uint32_t port, const plr_message& message, plr_error* error) override;
     MessageRef take(std::uint32_t port, const plr_message& message);
-    template <class Function> plr_status guarded(std::int64_t time, bool publishes, Function function);
+    template <class Function>
+    plr_status guarded(const char* name, std::int64_t time, bool publishes, Function function,
+                       const char* port = nullptr);
     void expect_ok(plr_status status, const std::string& what) const;
     std::string told(plr_status status) const;
     void count_refusal() const;
@@ -92,6 +94,7 @@ private:
     bool publishing_ = false;          // within emit, receive or finish
     std::int64_t arrival_ = 0;         // of the event that is handled
     std::string refused_publication_;  // of the call under way
+    std::string fault_;                // what the guard has found in the node's models during it, or ""
     std::uint64_t refused_ = 0;
     std::uint64_t calls_ = 0;
     double seconds_ = 0;

@@ -130,6 +130,7 @@ Wiring wire(const graph::Graph& graph) {
         wiring.nodes.push_back(wire_node(node.name, node.description(), node.instance, node.host));
     wiring.edges = graph.edges();
     wiring.order = graph.order();
+    wiring.guard = graph.guard();
     wiring.parameters = parameters_of(graph);
     resolve_streams(wiring);
     return wiring;

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "../fixtures/temporary_folder.hpp"
-#include "process.hpp"
+#include "../support/process.hpp"
 
 using namespace pelorus::test;
 using Catch::Contains;

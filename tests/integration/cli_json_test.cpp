@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
-#include "process.hpp"
+#include "../support/process.hpp"
 
 using namespace pelorus::test;
 using Catch::Contains;

@@ -12,8 +12,8 @@
 
 #include "../fixtures/temporary_folder.hpp"
 #include "../support/markdown.hpp"
+#include "../support/process.hpp"
 #include "docs_fragment.hpp"
-#include "process.hpp"
 
 namespace pelorus::test {
 

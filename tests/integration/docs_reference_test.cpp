@@ -9,8 +9,8 @@
 #include <set>
 
 #include "../support/markdown.hpp"
+#include "../support/process.hpp"
 #include "docs_page.hpp"
-#include "process.hpp"
 
 using namespace pelorus::test;
 namespace fs = std::filesystem;

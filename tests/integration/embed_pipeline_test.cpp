@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "../fixtures/temporary_folder.hpp"
-#include "process.hpp"
+#include "../support/process.hpp"
 
 using namespace pelorus::test;
 using pelorus::Pipeline;
