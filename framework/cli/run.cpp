@@ -187,9 +187,10 @@ Command run_command() {
     std::vector<Flag> flags = config_flags();
     flags.insert(flags.begin(), {"out", "DIR", "the result folder, instead of ./results/CONFIG-NAME"});
     flags.push_back({"threads", "N", "threads that plugins share (1 unless given, 0: one a core); same results"});
-    flags.push_back({"guard", "MODE",
-                     "which calls of models are checked against the contract: off, start (default: the first 16 of each "
-                     "function), all; same results"});
+    flags.push_back(
+        {"guard", "MODE",
+         "which calls of models are checked against the contract: off, start (default: the first 16 of each "
+         "function), all; same results"});
     flags.push_back({"snapshot-at", "TIME", "write the whole run's state at that time (50s) into the result folder"});
     flags.push_back({"stop-at-snapshot", "", "and end the run there"});
     flags.push_back({"resume", "DIR", "go on from the snapshot in DIR, with the same CONFIG and --set"});

@@ -99,11 +99,10 @@ struct Graph::Implementation {
         guard = options.guard;
         pool = std::make_unique<host::ThreadPool>(options.threads);
         for (const NodePlan& plan : plans) {
-            const TreeContext context{
-                {&frames, pool.get(), &output_folder, std::make_shared<host::FaultLatch>()},
-                host::node_key(seed, options.run, plan.name),
-                plan.frame.c_str(),
-                options.guard};
+            const TreeContext context{{&frames, pool.get(), &output_folder, std::make_shared<host::FaultLatch>()},
+                                      host::node_key(seed, options.run, plan.name),
+                                      plan.frame.c_str(),
+                                      options.guard};
             Instance* instance = instances.create(*plan.part, context, problems);
             if (instance == nullptr) continue;
             Node node;

@@ -94,7 +94,7 @@ public:
     struct Shared {
         const FrameTree* frames = nullptr;
         const ThreadPool* pool = nullptr;
-        const std::string* output_folder = nullptr;  ///< absolute; nullptr or empty: no files are kept
+        const std::string* output_folder = nullptr;    ///< absolute; nullptr or empty: no files are kept
         std::shared_ptr<FaultLatch> faults = nullptr;  ///< of the stage's tree, or nullptr: models are not guarded
     };
     InstanceHost(std::string address, std::string plugin_id, Shared shared);

@@ -112,8 +112,8 @@ void StageRunner::expect_ok(plr_status status, const std::string& what) const {
 plr_next StageRunner::next(std::int64_t now) {
     plr_next answer{};
     answer.struct_size = sizeof answer;
-    const plr_status status =
-        guarded("next", now, false, [&](const plr_call& call) { return stage_.next(node_.instance.self, &call, &answer); });
+    const plr_status status = guarded(
+        "next", now, false, [&](const plr_call& call) { return stage_.next(node_.instance.self, &call, &answer); });
     if (status != PLR_OK) expect_ok(status, "next at " + seconds_text(now));
     if (answer.what < PLR_NEXT_DATA || answer.what > PLR_NEXT_END)
         throw error("next at " + seconds_text(now), fmt::format("answered {}, expected PLR_NEXT_DATA, PLR_NEXT_WAIT or "
@@ -151,8 +151,8 @@ void StageRunner::log_refusal(const std::string& line) {
 
 void StageRunner::finish(std::int64_t arrival) {
     if (!stage_.finish) return;
-    const plr_status status =
-        guarded("finish", arrival, true, [&](const plr_call& call) { return stage_.finish(node_.instance.self, &call); });
+    const plr_status status = guarded("finish", arrival, true,
+                                      [&](const plr_call& call) { return stage_.finish(node_.instance.self, &call); });
     if (status != PLR_OK) expect_ok(status, "finish at " + seconds_text(arrival));
 }
 
@@ -163,8 +163,8 @@ std::optional<std::vector<unsigned char>> StageRunner::save() {
     writer.struct_size = sizeof writer;
     writer.context = &state;
     writer.write = append;
-    const plr_status status =
-        guarded("save", 0, false, [&](const plr_call& call) { return stage_.save(node_.instance.self, &writer, call.error); });
+    const plr_status status = guarded(
+        "save", 0, false, [&](const plr_call& call) { return stage_.save(node_.instance.self, &writer, call.error); });
     expect_ok(status, "save");
     return state;
 }

@@ -29,7 +29,7 @@ struct Wiring {
     std::vector<Node> nodes;  ///< in file order
     std::vector<graph::Edge> edges;
     host::GuardMode guard = host::GuardMode::start;  ///< whether deliveries are checked
-    std::vector<std::size_t> order;  ///< every edge but the feedback ones goes forward
+    std::vector<std::size_t> order;                  ///< every edge but the feedback ones goes forward
     std::string
         parameters;  ///< everything else that determines the run, as text: two runs with the same text are the same run
 };

@@ -107,8 +107,8 @@ void CheckedCall::begin() {
     bytes("the call's item ids", call_.item_ids, n * sizeof(std::uint64_t));
     bytes("the call's keys", call_.keys, n * sizeof(plr_key));
     if (call_.inputs != nullptr && record_.input_size > 0)
-        add_input("the call's inputs", {call_.inputs, record_.input_size, 1, items_, 1, record_.input_size, call_.input_stride},
-                  true, true);
+        add_input("the call's inputs",
+                  {call_.inputs, record_.input_size, 1, items_, 1, record_.input_size, call_.input_stride}, true, true);
     if (call_.scratch != nullptr) scratch_used_ = call_.scratch->used;
     if (call_.item_status != nullptr) status_before_.assign(call_.item_status, call_.item_status + items_);
 }
@@ -122,8 +122,9 @@ void CheckedCall::end(plr_status status, bool threw) {
     if (call_.scratch != nullptr && call_.scratch->used != scratch_used_) {
         const std::uint64_t left = call_.scratch->used;
         call_.scratch->used = scratch_used_;
-        throw BrokenContract(fmt::format("scratch.used is {} after the call, it was {} before: what is taken has to be given back",
-                                         left, scratch_used_));
+        throw BrokenContract(
+            fmt::format("scratch.used is {} after the call, it was {} before: what is taken has to be given back", left,
+                        scratch_used_));
     }
     check_status(status);
     const std::string difference = GuardSizes::difference(record_.sizes, record_.ask_sizes(record_.real));
@@ -148,8 +149,9 @@ void CheckedCall::check_memory() {
 
 void CheckedCall::check_status(plr_status status) const {
     if (!is_legal(status))
-        throw BrokenContract(fmt::format("it answered status {}, expected PLR_OK, PLR_ITEMS_FAILED or PLR_E_... (1 to {})",
-                                         status, static_cast<int>(PLR_E_EXCEPTION)));
+        throw BrokenContract(
+            fmt::format("it answered status {}, expected PLR_OK, PLR_ITEMS_FAILED or PLR_E_... (1 to {})", status,
+                        static_cast<int>(PLR_E_EXCEPTION)));
     if (call_.item_status == nullptr || status < 0) return;
     bool any_failed = false;
     for (std::int64_t i = 0; i < items_; ++i) {
@@ -205,9 +207,10 @@ void CheckedCall::check_output(const Output& output) const {
         return false;
     });
     if (is_bad)
-        throw fault(fmt::format("is {}, expected {}",
-                                view.data[place.item * view.item_stride + place.col * view.col_stride + place.row * view.row_stride],
-                                output.content == Content::not_nan ? "a number" : "a finite number"));
+        throw fault(fmt::format(
+            "is {}, expected {}",
+            view.data[place.item * view.item_stride + place.col * view.col_stride + place.row * view.row_stride],
+            output.content == Content::not_nan ? "a number" : "a finite number"));
     if (output.content != Content::covariance) return;
     for (std::int64_t item = 0; item < view.count; ++item)
         if (counts(item) && inputs_are_finite(output.per_item ? item : 0)) check_covariance(output, item);
@@ -228,12 +231,13 @@ void CheckedCall::check_covariance(const Output& output, std::int64_t item) cons
                                              output.name, at(i, i), i),
                                  item);
         for (std::int64_t j = 0; j < i; ++j) {
-            const double allowed = rounding * std::sqrt(std::abs(at(i, i))) * std::sqrt(std::abs(at(j, j))) +
-                                   of_the_largest * largest;
+            const double allowed =
+                rounding * std::sqrt(std::abs(at(i, i))) * std::sqrt(std::abs(at(j, j))) + of_the_largest * largest;
             if (std::abs(at(i, j) - at(j, i)) > allowed)
-                throw BrokenContract(fmt::format("{} is not symmetric: {} at row {}, column {}, but {} at row {}, column {}",
-                                                 output.name, at(i, j), i, j, at(j, i), j, i),
-                                     item);
+                throw BrokenContract(
+                    fmt::format("{} is not symmetric: {} at row {}, column {}, but {} at row {}, column {}",
+                                output.name, at(i, j), i, j, at(j, i), j, i),
+                    item);
         }
     }
 }

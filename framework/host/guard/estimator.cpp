@@ -25,9 +25,9 @@ GuardSizes sizes_of(const plr_instance& instance) {
 std::int64_t size_of_sensor(const GuardSizes& sizes, std::int32_t sensor) {
     if (sensor >= 0 && static_cast<std::size_t>(sensor) < sizes.ms.size())
         return sizes.ms[static_cast<std::size_t>(sensor)];
-    throw BrokenContract("sensor is " + std::to_string(sensor) + ", the estimator has " +
-                             std::to_string(sizes.ms.size()) + " (from 0)",
-                         -1, true);
+    throw BrokenContract(
+        "sensor is " + std::to_string(sensor) + ", the estimator has " + std::to_string(sizes.ms.size()) + " (from 0)",
+        -1, true);
 }
 
 void declare_moments(CheckedCall& checks, plr_estimator_moments& args, std::int64_t r, std::int64_t components) {

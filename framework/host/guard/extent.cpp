@@ -44,8 +44,7 @@ template <> struct GuardedFunction<&plr_extent::init> : PlainFunction {
     static constexpr std::size_t index = 0;
     static void declare(CheckedCall& checks, const GuardSizes& sizes, plr_extent_init& args) {
         checks.items(args.record.count);
-        for (std::uint32_t k = 0; k < args.scans; ++k)
-            declare_points(checks, args.scan[k], args.record.count, sizes.d);
+        for (std::uint32_t k = 0; k < args.scans; ++k) declare_points(checks, args.scan[k], args.record.count, sizes.d);
         checks.shared_input("times", args.times, args.scans, 1, 1);
         checks.output("record", args.record, sizes.r, 1, Content::opaque);
     }
@@ -117,7 +116,8 @@ template <> struct GuardedFunction<&plr_extent::gate> {
                 for (std::int64_t k = given.scan.offsets[item]; k < given.scan.offsets[item + 1]; ++k)
                     if (std::isnan(distance.data[k * distance.item_stride]) && checks.item_counts(item) &&
                         checks.inputs_are_finite(item))
-                        throw BrokenContract("squared_distance of point " + std::to_string(k) + " is nan, expected a number", item);
+                        throw BrokenContract(
+                            "squared_distance of point " + std::to_string(k) + " is nan, expected a number", item);
         }
         const plr_extent_gate& given;
         const CheckedCall& checks;

@@ -17,8 +17,8 @@ namespace {
 /// How a kind is guarded, or nullptr.
 const GuardedKind* kind_of(const std::string& table_id) {
     static const std::map<std::string, GuardedKind> kinds = {
-        {PLR_MOTION, guarded_motion()},         {PLR_SENSOR, guarded_sensor()},
-        {PLR_ESTIMATOR, guarded_estimator()},   {PLR_EXTENT, guarded_extent()},
+        {PLR_MOTION, guarded_motion()},           {PLR_SENSOR, guarded_sensor()},
+        {PLR_ESTIMATOR, guarded_estimator()},     {PLR_EXTENT, guarded_extent()},
         {PLR_PARTITIONER, guarded_partitioner()}, {PLR_WAVEFORM, guarded_waveform()},
         {PLR_TRAJECTORY, guarded_trajectory()}};
     const auto found = kinds.find(table_id);

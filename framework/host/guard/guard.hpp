@@ -16,11 +16,11 @@ struct GuardRecord;
 
 /// What is to be guarded.
 struct GuardedPart {
-    std::string address, plugin;   ///< `tracker.estimator.motion`, `motion.singer`
-    std::string holder;            ///< address of the instance in whose slot it stands
-    std::string table_id;          ///< which struct the instance's table is
-    plr_instance instance{};       ///< has been found to keep its kind's contract of creation
-    std::int64_t input_size = 0;   ///< doubles an item in plr_call.inputs
+    std::string address, plugin;  ///< `tracker.estimator.motion`, `motion.singer`
+    std::string holder;           ///< address of the instance in whose slot it stands
+    std::string table_id;         ///< which struct the instance's table is
+    plr_instance instance{};      ///< has been found to keep its kind's contract of creation
+    std::int64_t input_size = 0;  ///< doubles an item in plr_call.inputs
     bool cells_may_overlap = false;
 };
 

@@ -8,8 +8,7 @@ std::string text_of_current_exception() noexcept {
     try {
         throw;
     } catch (const std::exception& exception) {
-        return "an exception came through the C table: " +
-               one_line(exception.what(), sizeof plr_error{}.message);
+        return "an exception came through the C table: " + one_line(exception.what(), sizeof plr_error{}.message);
     } catch (...) {
         return "an exception came through the C table, of a type that is no std::exception";
     }

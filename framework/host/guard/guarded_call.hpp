@@ -104,15 +104,14 @@ plr_status guarded_entry(const void* self, const plr_call* call, const Args* arg
     if (record == nullptr)
         return tell(call == nullptr ? nullptr : call->error, PLR_E_ARGUMENT,
                     std::string(Guarded::name) + " was called on an instance that does not live");
-    const auto real = [&](const auto& given) {
-        return (real_table<Table>(*record).*Function)(self, call, &given);
-    };
+    const auto real = [&](const auto& given) { return (real_table<Table>(*record).*Function)(self, call, &given); };
     // Arguments of a holder that was built with later headers than this host may hold what the guard cannot follow.
     const bool is_known = call != nullptr && args != nullptr && call->struct_size >= sizeof(plr_call) &&
                           size_of(*args) >= sizeof(std::uint64_t) && size_of(*args) <= sizeof(Args);
     if (is_known && record->is_to_check(Guarded::index)) return checked<Function>(*record, *call, *args, real);
     bool threw = false;
-    return forward(*record, Guarded::name, call, threw, [&] { return (real_table<Table>(*record).*Function)(self, call, args); });
+    return forward(*record, Guarded::name, call, threw,
+                   [&] { return (real_table<Table>(*record).*Function)(self, call, args); });
 }
 
 /// Puts the guard's entry into the place of a function that the real table has.

@@ -116,12 +116,12 @@ template <> struct GuardedFunction<&plr_motion::from_cartesian> : PlainFunction 
 };
 
 GuardedKind guarded_motion() noexcept {
-    return {&sizes_of, [](unsigned char* table) {
-                guard_head<plr_motion, plr_motion_info>(table);
-                guard_functions<&plr_motion::propagate, &plr_motion::jacobian, &plr_motion::noise,
-                                &plr_motion::init_record, &plr_motion::advance_record, &plr_motion::to_cartesian,
-                                &plr_motion::from_cartesian>(table);
-            }};
+    return {
+        &sizes_of, [](unsigned char* table) {
+            guard_head<plr_motion, plr_motion_info>(table);
+            guard_functions<&plr_motion::propagate, &plr_motion::jacobian, &plr_motion::noise, &plr_motion::init_record,
+                            &plr_motion::advance_record, &plr_motion::to_cartesian, &plr_motion::from_cartesian>(table);
+        }};
 }
 
 }  // namespace pelorus::host

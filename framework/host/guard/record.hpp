@@ -30,22 +30,20 @@ struct GuardSizes {
 struct GuardRecord {
     static constexpr std::size_t most_functions = 8;
 
-    std::string address, plugin;                ///< `tracker.estimator.motion`, `motion.singer`
-    std::string holder;                         ///< address of the instance whose slot it stands in
-    plr_instance real{};                        ///< the plugin's own
+    std::string address, plugin;  ///< `tracker.estimator.motion`, `motion.singer`
+    std::string holder;           ///< address of the instance whose slot it stands in
+    plr_instance real{};          ///< the plugin's own
     GuardMode mode = GuardMode::start;
-    std::int64_t input_size = 0;                ///< doubles an item in plr_call.inputs
-    bool cells_may_overlap = false;             ///< partitioners
+    std::int64_t input_size = 0;     ///< doubles an item in plr_call.inputs
+    bool cells_may_overlap = false;  ///< partitioners
     std::shared_ptr<FaultLatch> latch;
-    GuardSizes sizes;                           ///< when the instance was made
+    GuardSizes sizes;  ///< when the instance was made
     GuardSizes (*ask_sizes)(const plr_instance&) = nullptr;
-    const void* info = nullptr;                 ///< what info() answered then
-    std::unique_ptr<unsigned char[]> table;     ///< the guard table that holders get
+    const void* info = nullptr;              ///< what info() answered then
+    std::unique_ptr<unsigned char[]> table;  ///< the guard table that holders get
     mutable std::array<std::atomic<std::uint32_t>, most_functions> calls{};
 
-    const plr_table_head* guard_table() const noexcept {
-        return reinterpret_cast<const plr_table_head*>(table.get());
-    }
+    const plr_table_head* guard_table() const noexcept { return reinterpret_cast<const plr_table_head*>(table.get()); }
     /// Whether this call of the function is one of those to be checked; counts it.
     bool is_to_check(std::size_t function) const noexcept {
         constexpr std::uint32_t checked_at_start = 16;

@@ -52,7 +52,7 @@ private:
     void grow();
 
     std::atomic<Table*> table_;
-    mutable std::mutex mutex_;                   // of writers
+    mutable std::mutex mutex_;                    // of writers
     std::vector<std::unique_ptr<Table>> tables_;  // the present one last
     std::size_t size_ = 0;
 };

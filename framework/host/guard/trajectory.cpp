@@ -51,7 +51,8 @@ template <> struct GuardedFunction<&plr_trajectory::states> {
 
     /// A state is NaN as a whole, and only where the object does not exist.
     struct Kept {
-        Kept(const GuardRecord&, const plr_trajectory_states& of_holder, plr_trajectory_states&, const CheckedCall& of_call)
+        Kept(const GuardRecord&, const plr_trajectory_states& of_holder, plr_trajectory_states&,
+             const CheckedCall& of_call)
             : given(of_holder), checks(of_call) {}
         void returned(plr_status) const noexcept {}
         void look() const {
@@ -64,13 +65,15 @@ template <> struct GuardedFunction<&plr_trajectory::states> {
             const plr_view& states = given.states;
             const double* const state = states.data + object * states.item_stride + k * states.col_stride;
             std::int64_t finite = 0;
-            for (std::int64_t row = 0; row < states.rows; ++row) finite += std::isfinite(state[row * states.row_stride]);
-            const bool lives = given.births != nullptr && given.deaths != nullptr && given.births[object] < given.times[k] &&
-                               given.times[k] < given.deaths[object];
+            for (std::int64_t row = 0; row < states.rows; ++row)
+                finite += std::isfinite(state[row * states.row_stride]);
+            const bool lives = given.births != nullptr && given.deaths != nullptr &&
+                               given.births[object] < given.times[k] && given.times[k] < given.deaths[object];
             if (finite == states.rows || (finite == 0 && !lives && std::isnan(state[0]))) return;
-            throw BrokenContract(fmt::format("the state of object {} at {} ns has {} components of {} that are finite numbers, expected {}",
-                                             object, given.times[k], finite, states.rows,
-                                             lives ? "all, as it exists then" : "all or, where it does not exist, nan in all"));
+            throw BrokenContract(fmt::format(
+                "the state of object {} at {} ns has {} components of {} that are finite numbers, expected {}", object,
+                given.times[k], finite, states.rows,
+                lives ? "all, as it exists then" : "all or, where it does not exist, nan in all"));
         }
         const plr_trajectory_states& given;
         const CheckedCall& checks;
