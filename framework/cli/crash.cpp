@@ -48,17 +48,13 @@ public:
         while ((number /= 10) != 0);
         return *this << digits + at;
     }
-    /// ns as seconds, exactly, as elsewhere in messages.
+    /// ns as seconds, as elsewhere in messages.
     Line& seconds(std::int64_t time) noexcept {
         const std::uint64_t size = time < 0 ? 0 - static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(time);
-        *this << (time < 0 ? "-" : "") << size / 1'000'000'000u;
         char fraction[11] = ".000000000";
         std::uint64_t rest = size % 1'000'000'000u;
         for (std::size_t at = 9; at > 0; --at, rest /= 10) fraction[at] = static_cast<char>('0' + rest % 10);
-        std::size_t last = 9;
-        while (last > 0 && fraction[last] == '0') --last;
-        fraction[last == 0 ? 0 : last + 1] = '\0';
-        return *this << fraction << " s";
+        return *this << (time < 0 ? "-" : "") << size / 1'000'000'000u << fraction << " s";
     }
     void write() noexcept {
         text_[size_++] = '\n';

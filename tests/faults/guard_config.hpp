@@ -40,13 +40,13 @@ graph:
                estimator + R"(
   files:
     use: sink.csv
-    in: {tracks: tracker.tracks}
+    in: {tracks: tracker.tracks, truth: world.truth}
 )" + further;
     }
 };
 
 inline std::string zoo_part(const std::string& kind, const std::string& fault, const std::string& in) {
-    return "{use: org.example." + kind + ".zoo, with: {fault: " + fault + ", in: " + in + "}}";
+    return "{use: org.example." + kind + ".zoo, with: {fault: " + fault + ", call: " + in + "}}";
 }
 
 inline Ended run_zoo(const TemporaryFolder& folder, const ZooConfig& config, const std::vector<std::string>& more = {},

@@ -1,4 +1,4 @@
-// What the plugins of the zoo have in common: each does its work well, but in the function that its parameter `in` names, where it
+// What the plugins of the zoo have in common: each does its work well, but in the function that its parameter `call` names, where it
 // commits the misdeed that its parameter `fault` names. They go through raw C tables, as a plugin without the author layer
 // would: nothing catches what they throw.
 #pragma once
@@ -64,7 +64,7 @@ template <class T> void describe(pelorus::Describe<T>& plugin) {
                   {"size", "info tells another size once work has begun"},
                   {"fails_one", "no misdeed: the first item has no result, and is flagged"}})
         .doc("the misdeed");
-    plugin.parameter("in", &T::in).initially("").doc("the function that commits it");
+    plugin.parameter("call", &T::in).initially("").doc("the function that commits it");
 }
 
 // Not inlined, and with an array that is used: the compiler must not make a loop of it.
