@@ -23,8 +23,8 @@ void check_told(const TemporaryFolder& folder, const Ended& ended, const std::st
     CHECK_THAT(rest.substr(rest.find('\n') + 1), !Contains("pelorus:"));
     CHECK(folder.has("out/summary.json"));
     CHECK(folder.has("out/provenance.json"));
-    CHECK(folder.has("out/tracks.csv"));
-    CHECK(!folder.has("out/tracks.csv.part"));
+    CHECK(folder.has("out/truth.csv"));
+    CHECK(!folder.has("out/truth.csv.part"));
 }
 
 struct Case {
@@ -171,7 +171,7 @@ TEST_CASE("guard: a stage that changes its message, answers no status or throws 
     CHECK(ended.exit == 1);
     CHECK(first_line(ended.err) == "pelorus: node zoo (org.example.analyzer.zoo), " + line);
     CHECK(folder.has("out/summary.json"));
-    CHECK(folder.has("out/tracks.csv"));
+    CHECK(folder.has("out/truth.csv"));
 }
 
 TEST_CASE("guard: well-behaved models give the same bytes in every mode") {
@@ -188,7 +188,7 @@ TEST_CASE("guard: well-behaved models give the same bytes in every mode") {
         const Ended ended = run_zoo(folder, config, {"--guard", mode});
         CAPTURE(mode, ended.err);
         REQUIRE(ended.exit == 0);
-        results.push_back(folder.read("out/summary.json") + folder.read("out/tracks.csv"));
+        results.push_back(folder.read("out/summary.json") + folder.read("out/truth.csv"));
     }
     CHECK(results[0] == results[1]);
     CHECK(results[0] == results[2]);
