@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "../tests/integration/process.hpp"
+#include "../tests/support/process.hpp"
 
 namespace pelorus::bench {
 

@@ -262,7 +262,8 @@ TEST_CASE("The sender in Python that docs/wire-format.md shows does what it says
         return;
     }
     const TemporaryFolder folder;
-    const std::string page = read_file(std::string(PELORUS_SOURCE_DIR) + "/docs/wire-format.md"), fence = "```python\n";
+    const std::string page = read_file(std::string(PELORUS_SOURCE_DIR) + "/docs/wire-format.md"),
+                      fence = "```python file=sender.py\n";
     const auto begin = page.find(fence) + fence.size();
     const std::string script = folder.write("sender.py", page.substr(begin, page.find("```", begin) - begin));
     Receiver receiver(folder / "live");
