@@ -37,6 +37,17 @@ std::string unknown_flag(const std::string& command, const Grammar& grammar, con
                        near.empty() ? "; see: pelorus help " + command : "; did you mean " + near + "?");
 }
 
+/// `--out` at the end of the line, and the like.
+std::string missing_value(const std::string& command, const Grammar& grammar,
+                          const options::invalid_command_line_syntax& problem) {
+    for (const Flag& flag : grammar.flags)
+        if (problem.kind() == options::invalid_command_line_syntax::missing_parameter &&
+            "--" + flag.name == problem.get_option_name())
+            return fmt::format("{}: --{}: {} is missing; usage: --{} {}", command, flag.name, flag.value, flag.name,
+                               flag.value);
+    return command + ": " + problem.what();
+}
+
 std::string usage(const std::string& command, const Grammar& grammar) {
     std::string text = "pelorus " + command;
     for (const std::string& argument : grammar.arguments) text += " " + argument;
@@ -56,6 +67,8 @@ std::vector<options::option> split(const std::string& command, const Grammar& gr
             .options;
     } catch (const options::unknown_option& problem) {
         refuse(unknown_flag(command, grammar, problem.get_option_name()));
+    } catch (const options::invalid_command_line_syntax& problem) {
+        refuse(missing_value(command, grammar, problem));
     } catch (const options::error& problem) {
         refuse(command + ": " + problem.what());
     }

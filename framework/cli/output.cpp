@@ -40,6 +40,7 @@ bool write_all(int descriptor, const std::string& text) {
 
 void prepare_streams() {
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no more is an error like a full disk
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
             // Opened for reading, so that writing results to a closed standard output fails as it should.

@@ -1,8 +1,10 @@
 // `pelorus run`: one config, one run, one result folder.
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -64,7 +66,9 @@ Request read_request(const CommandLine& line) {
 std::vector<unsigned char> read_snapshot(const fs::path& folder) {
     const fs::path file = folder / snapshot_name;
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error(Exit::misuse, "--resume: cannot open " + file.string());
+    if (!stream)
+        throw Error(Exit::misuse, "--resume: cannot open " + file.string() + ": " +
+                                      std::generic_category().message(errno) + "; a run with --snapshot-at writes it");
     std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(stream), {}};
     if (stream.bad()) throw Error(Exit::run_failed, "--resume: cannot read " + file.string());
     return bytes;
@@ -168,16 +172,21 @@ int run(const CommandLine& line) {
     report::RunContext context;
     context.config = line.argument(0);
     context.stopped = ending.outcome == runtime::Outcome::stopped;
-    report::write_result_folder(request.out, graph, runtime.results(), timings, context);
-
-    const Exit exit = tell_ending(ending, request, interrupt);
+    Exit exit = tell_ending(ending, request, interrupt);
+    std::string files;
+    try {
+        report::write_result_folder(request.out, graph, runtime.results(), timings, context);
+        files = report::file_line(request.out);
+    } catch (const Error& problem) {  // the figures are printed all the same
+        tell(std::string(problem.what()) + "; the figures are printed, but not all of them are kept");
+        exit = Exit::run_failed;
+    }
     tell_raw(report::counter_lines(timings));
     const report::Cell cell = report::cell_of_run(runtime.results());
     if (line.has("json"))
         print_json(result_json(line, request, ending, cell));
     else
-        print((graph.title().empty() ? "" : graph.title() + "\n") + report::terminal_table({cell}) +
-              report::file_line(request.out));
+        print((graph.title().empty() ? "" : graph.title() + "\n") + report::terminal_table({cell}) + files);
     return static_cast<int>(exit);
 }
 

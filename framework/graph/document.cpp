@@ -23,13 +23,31 @@ struct Chain {
     std::vector<std::string> names;
 };
 
+/// What the name was perhaps meant to be: a file of that folder, or the folder that is not there.
+std::string near_file(const fs::path& file) {
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    std::error_code error;
+    std::vector<std::string> names;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+        names.push_back(it->path().filename().string());
+    if (names.empty() && !fs::is_directory(folder, error)) return "; there is no folder " + folder.string() + " either";
+    std::sort(names.begin(), names.end());
+    std::string near = nearest(file.filename().string(), names);
+    for (const std::string& name : names)
+        if (near.empty() && fs::path(name).stem() == file.filename()) near = name;
+    return near.empty() ? "" : "; did you mean '" + (file.parent_path() / near).string() + "'?";
+}
+
 std::string read_file(const fs::path& file, const Location& named_at) {
     const std::string prefix = named_at.file.empty() ? file.string() + ": " : "extend: " + file.string() + ": ";
     std::error_code ignored;
     if (fs::is_directory(file, ignored)) fail(named_at, prefix + "is a folder, not a config file");
     errno = 0;
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) fail(named_at, prefix + std::strerror(errno != 0 ? errno : EIO));
+    if (!stream) {
+        const int reason = errno != 0 ? errno : EIO;
+        fail(named_at, prefix + (reason == ENOENT ? "there is no such file" + near_file(file) : std::strerror(reason)));
+    }
     std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     if (stream.bad()) fail(named_at, prefix + "cannot be read");
     return text;
@@ -55,7 +73,7 @@ Value read_with_base(const fs::path& file, const Location& named_at, Chain& chai
 
 Value read_extended(const std::string& text, const std::string& name, const fs::path& base, Chain& chain) {
     Value root = read_yaml(text, TextOrigin{Location{}, name, base});
-    if (root.is_null()) fail({name, 0, 0}, "the config is empty");
+    if (root.is_null()) fail({name, 0, 0}, "the config is empty; it begins with `pelorus: 1`");
     if (!root.is_map()) fail(root.where, "a config is a map that begins with `pelorus: 1`, got " + root.described());
     const Value* extend = root.find("extend");
     if (extend == nullptr) return root;

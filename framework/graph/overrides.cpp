@@ -196,6 +196,22 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// A hint at the address without the words that stand in the file but not in addresses.
+std::string shorter(const std::string& address) {
+    std::vector<std::string> segments = split_address(address);
+    const std::size_t before = segments.size();
+    if (segments.front() == "graph") segments.erase(segments.begin());
+    segments.erase(std::remove_if(segments.begin(), segments.end(),
+                                  [](const std::string& word) { return word == "with" || word == "parts"; }),
+                   segments.end());
+    if (segments.size() == before || segments.empty()) return {};
+    return "; addresses leave `graph`, `with` and `parts` away: " + join(segments, ".");
+}
+
+}  // namespace
+
 void apply_overrides(Value& root, const std::vector<Assignment>& assignments, const Descriptions& descriptions,
                      Problems& problems) {
     for (const Assignment& assignment : assignments) {
@@ -204,7 +220,7 @@ void apply_overrides(Value& root, const std::vector<Assignment>& assignments, co
             Walk(changed, assignment, descriptions).apply();
             root = std::move(changed);
         } catch (const AddressError& error) {
-            problems.add(assignment.where, error.what());
+            problems.add(assignment.where, error.what() + shorter(assignment.address));
         }
     }
 }

@@ -54,7 +54,8 @@ private:
         node.name = entry.key;
         node.where = entry.where;
         if (!is_part_map(entry.value, entry.key, node_keys, "node")) return node;
-        if (const Value* frame = entry.value.find("frame")) {
+        const Value written = mended(entry.value, node_keys);
+        if (const Value* frame = written.find("frame")) {
             node.frame_where = frame->where;
             if (frame->is_scalar())
                 node.frame = frame->scalar;
@@ -62,8 +63,8 @@ private:
                 problems_.add(frame->where,
                               entry.key + ".frame: expected the name of a frame, got " + frame->described());
         }
-        if (const Value* in = map_under(entry.value, "in", entry.key)) node.in = *in;
-        node.part = plan_part(entry.value, entry.where, entry.key);
+        if (const Value* in = map_under(written, "in", entry.key)) node.in = *in;
+        node.part = plan_part(written, entry.where, entry.key);
         return node;
     }
 
@@ -117,37 +118,39 @@ private:
             return nullptr;
         }
         const Plugins::Found& found = context_.plugins.find(use->scalar);
-        if (found.plugin == nullptr) {
-            problems_.add(use->where, address + ": " + found.error);
-            return nullptr;
-        }
+        if (found.plugin == nullptr) problems_.add(use->where, address + ": " + found.error);
+        const host::LoadedPlugin* const plugin = found.plugin != nullptr ? found.plugin : found.meant;
+        if (plugin == nullptr) return nullptr;
         auto part = std::make_unique<PartPlan>();
         part->address = address;
         part->name = name;
         part->where = where;
         part->use_where = use->where;
-        part->plugin = found.plugin;
+        part->plugin = plugin;
         part->place = place;
         if (place != nullptr) part->slot = place->name;
-        if (!is_right_kind(*part)) return nullptr;
+        if (!is_right_kind(*part, found.plugin != nullptr)) return nullptr;
         part->with.kind = Value::Kind::map;
         if (const Value* with = map_under(value, "with", address)) part->with = *with;
         read_values(*part);
         const Value* parts = map_under(value, "parts", address);
-        fill_slots(*part, parts == nullptr ? Value() : *parts);
+        fill_slots(*part, parts == nullptr ? Value() : mended(*parts, slot_names(part->description())), parts);
         return part;
     }
 
-    bool is_right_kind(const PartPlan& part) {
+    /// A plugin that was only guessed is not told of.
+    bool is_right_kind(const PartPlan& part, bool is_told) {
         const std::string kind = part.description().kind, id = part.description().id;
         if (part.place != nullptr) {
             if (kind == part.place->kind) return true;
+            if (!is_told) return false;
             problems_.add(part.use_where, part.address + ": " + id + " is " + with_article(kind) + "; slot " +
                                               part.slot + " takes " + with_article(part.place->kind));
             return false;
         }
         const host::Kind* known = host::find_kind(kind);
         if (is_alone_ || (known != nullptr && known->is_stage)) return true;
+        if (!is_told) return false;
         std::vector<std::string> stages;
         for (const host::Kind& each : host::kinds)
             if (each.is_stage) stages.emplace_back(each.name);
@@ -173,6 +176,7 @@ private:
             if (std::find(names.begin(), names.end(), entry.key) == names.end())
                 problems_.add(entry.where, part.address + ": " + description.id + " has no parameter '" + entry.key +
                                                "'" + suggestion(entry.key, names, "parameters"));
+        part.with = mended(part.with, names);
         const ParameterContext context{problems_,      part.address,  description.id,
                                        part.use_where, context_.base, context_.variables};
         part.values = read_parameters(description.parameters, description.parameter_count, part.with, context);
@@ -180,9 +184,10 @@ private:
             part.slot_values = read_parameters(part.place->parameters, part.place->parameter_count, part.with, context);
     }
 
-    void fill_slots(PartPlan& holder, const Value& parts) {
+    /// `written`: the slots as the file has them, or nullptr.
+    void fill_slots(PartPlan& holder, const Value& parts, const Value* written) {
         const plr_description& description = holder.description();
-        for (const Value::Entry& entry : parts.map)
+        for (const Value::Entry& entry : written == nullptr ? std::vector<Value::Entry>() : written->map)
             if (find_slot(description, entry.key) == nullptr)
                 problems_.add(entry.where, holder.address + ": " + description.id + " has no slot '" + entry.key + "'" +
                                                suggestion(entry.key, slot_names(description), "slots"));
@@ -242,7 +247,7 @@ private:
         if (parts_ >= most_parts || depth_ >= deepest) return;
         if (!is_part_map(entry.value, address, part_keys, "part")) return;
         ++depth_;
-        std::unique_ptr<PartPlan> part = plan_part(entry.value, entry.where, address, &slot, name);
+        std::unique_ptr<PartPlan> part = plan_part(mended(entry.value, part_keys), entry.where, address, &slot, name);
         --depth_;
         if (part != nullptr) holder.parts.push_back(std::move(part));
     }

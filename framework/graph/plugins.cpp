@@ -1,5 +1,7 @@
 #include "graph/plugins.hpp"
 
+#include "host/catalog.hpp"
+
 namespace pelorus::graph {
 
 const Plugins::Found& Plugins::find(const std::string& id) {
@@ -8,6 +10,9 @@ const Plugins::Found& Plugins::find(const std::string& id) {
     Found found;
     try {
         found.plugin = &finder_(id);
+    } catch (const host::UnknownPlugin& error) {
+        found.error = error.what();
+        if (!error.meant().empty()) found.meant = find(error.meant()).plugin;
     } catch (const Error& error) {
         found.error = error.what();
     }
@@ -18,7 +23,8 @@ Descriptions Plugins::descriptions() {
     return [this](const std::string& id) -> const plr_description* {
         if (id.empty()) return nullptr;
         const Found& found = find(id);
-        return found.plugin == nullptr ? nullptr : &found.plugin->description();
+        const host::LoadedPlugin* const plugin = found.plugin != nullptr ? found.plugin : found.meant;
+        return plugin == nullptr ? nullptr : &plugin->description();
     };
 }
 

@@ -18,6 +18,8 @@ public:
     struct Found {
         const host::LoadedPlugin* plugin = nullptr;
         std::string error;  ///< why there is none
+        /// The plugin that was perhaps meant: what stands below is checked against it, so that all is told in one pass.
+        const host::LoadedPlugin* meant = nullptr;
     };
     const Found& find(const std::string& id);
     /// Valid as long as this object.

@@ -30,7 +30,12 @@ void Problems::raise() const {
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates, const std::string& plural) {
     constexpr std::size_t few = 12;
     std::string text;
-    const std::string near = nearest(word, candidates);
+    std::string near = nearest(word, candidates);
+    const std::size_t colon = word.find(':');
+    if (colon != std::string::npos) {  // `scans:60` in braces is a key of that name
+        near = nearest(word.substr(0, colon), candidates);
+        if (!near.empty()) return "; a blank is missing after the colon: `" + near + ": " + word.substr(colon + 1) + "`";
+    }
     if (!near.empty()) text += "; did you mean '" + near + "'?";
     if (candidates.empty())
         text += "; it has no " + plural;

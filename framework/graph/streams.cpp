@@ -19,12 +19,6 @@ using host::element;
 
 std::string show(const plr_component& component) { return std::string(component.name) + " [" + component.unit + "]"; }
 
-std::string show(const plr_space& space) {
-    std::vector<std::string> components;
-    for (std::uint32_t i = 0; i < space.size; ++i) components.push_back(show(element(space.components, i)));
-    return join(components);
-}
-
 std::string show_frame(const char* frame) {
     return *frame == '\0' ? "the root frame" : "frame '" + std::string(frame) + "'";
 }
@@ -33,30 +27,38 @@ bool same(const plr_component& a, const plr_component& b) {
     return std::string(a.name) == b.name && std::string(a.unit) == b.unit;
 }
 
-/// The index of the first wanted component that the offered space does not satisfy, or nothing. With `at_least` the offered
-/// space may have further components in between and after.
-std::optional<std::uint32_t> first_difference(const plr_space& offered, const plr_space& wanted, bool at_least) {
+/// All components of both sides in turn, or "" if they are the same: `range [m] = range [m]; azimuth [rad] != nothing`.
+std::string exact_difference(const plr_space& offered, const plr_space& wanted) {
+    std::vector<std::string> pairs;
+    bool differs = false;
+    for (std::uint32_t i = 0; i < std::max(offered.size, wanted.size); ++i) {
+        const plr_component* const left = i < offered.size ? &element(offered.components, i) : nullptr;
+        const plr_component* const right = i < wanted.size ? &element(wanted.components, i) : nullptr;
+        const bool is_same = left != nullptr && right != nullptr && same(*left, *right);
+        differs = differs || !is_same;
+        pairs.push_back((left == nullptr ? "nothing" : show(*left)) + (is_same ? " = " : " != ") +
+                        (right == nullptr ? "nothing" : show(*right)));
+    }
+    return differs ? "components, offered against wanted: " + join(pairs, "; ") : std::string();
+}
+
+/// The same where the offered space may have further components in between and after.
+std::string lacking(const plr_space& offered, const plr_space& wanted) {
+    std::vector<std::string> lines, all;
+    bool lacks = false;
     std::uint32_t at = 0;
     for (std::uint32_t i = 0; i < wanted.size; ++i) {
         const plr_component& component = element(wanted.components, i);
-        while (at_least && at < offered.size && !same(element(offered.components, at), component)) ++at;
-        if (at >= offered.size || !same(element(offered.components, at), component)) return i;
-        ++at;
+        std::uint32_t found = at;
+        while (found < offered.size && !same(element(offered.components, found), component)) ++found;
+        const bool is_there = found < offered.size;
+        if (is_there) at = found + 1;
+        lacks = lacks || !is_there;
+        lines.push_back(show(component) + (is_there ? " is there" : " is missing"));
     }
-    if (at_least || at == offered.size) return std::nullopt;
-    return wanted.size;
-}
-
-std::string space_difference(const plr_space& offered, const plr_space& wanted, bool at_least) {
-    const auto at = first_difference(offered, wanted, at_least);
-    if (!at) return {};
-    std::string text =
-        "components are " + show(offered) + "; wanted " + (at_least ? "at least " : "") + show(wanted) + "; ";
-    if (*at == wanted.size) return text + "the first one too many is " + show(element(offered.components, *at));
-    text += "the first difference is component " + std::to_string(*at + 1) + ": ";
-    const std::string expected = show(element(wanted.components, *at));
-    if (at_least || *at >= offered.size) return text + "there is no " + expected;
-    return text + show(element(offered.components, *at)) + " instead of " + expected;
+    for (std::uint32_t i = 0; i < offered.size; ++i) all.push_back(show(element(offered.components, i)));
+    if (!lacks) return {};
+    return "of the components that are wanted, in this order, " + join(lines, "; ") + "; offered are " + join(all, "; ");
 }
 
 /// `the stream of sensor 'radar'`, `the stream`
@@ -70,11 +72,13 @@ std::string name_of(const plr_stream& stream) {
 std::string difference(const plr_stream& offered, const plr_stream& wanted) {
     const bool at_least = (wanted.flags & PLR_STREAM_AT_LEAST) != 0;
     if (wanted.space != nullptr) {
-        const std::string text = space_difference(*offered.space, *wanted.space, at_least);
+        const std::string text =
+            at_least ? lacking(*offered.space, *wanted.space) : exact_difference(*offered.space, *wanted.space);
         if (!text.empty()) return text;
     }
     if (wanted.frame != nullptr && std::string(wanted.frame) != offered.frame)
-        return "it is in " + show_frame(offered.frame) + ", wanted in " + show_frame(wanted.frame);
+        return "it is in " + show_frame(offered.frame) + ", wanted in " + show_frame(wanted.frame) +
+               "; nodes name theirs by `frame:`";
     return {};
 }
 
@@ -210,7 +214,8 @@ private:
             if (first_problem.empty()) first_problem = problem;
         }
         if (!first_problem.empty()) return name_of(offered) + " does not fit: " + first_problem;
-        return name_of(offered) + " is not wanted there; wanted sensors: " + join(sensors);
+        return name_of(offered) + " is not wanted there; scans go to sensors by name, and these are wanted: " +
+               join(sensors);
     }
 
     const std::vector<Node>& nodes_;

@@ -290,13 +290,28 @@ std::int64_t parse_integer(const std::string& text) {
     return value;
 }
 
+namespace {
+
+/// Why a text that should begin with a number does not.
+std::string no_number(const std::string& text) {
+    const std::size_t word = text.find_first_not_of("+-.");
+    const std::string letters = word == std::string::npos ? "" : text.substr(word, 3);
+    for (const char* special : {"inf", "Inf", "INF", "nan", "NaN", "NAN"})
+        if (letters == special) return "values are finite numbers";
+    return text.empty() ? "it is empty" : "it does not begin with a number";
+}
+
+}  // namespace
+
 double parse_quantity(const std::string& text, const std::string& expected) {
     const std::string quantity = trimmed(to_ascii(text));
     const std::size_t length = number_length(quantity);
-    if (length == 0) throw UnitError(expectation(expected) + ", got '" + text + "'");
+    if (length == 0) throw UnitError(expectation(expected) + ", got '" + text + "' (" + no_number(quantity) + ")");
     const std::string number = quantity.substr(0, length);
     const std::string unit_text = trimmed(quantity.substr(length));
     if (unit_text.empty()) return scaled(number, 0);
+    if (unit_text.front() == ',')
+        throw UnitError(expectation(expected) + ", got '" + text + "' (decimals stand after a point, not a comma)");
     Unit unit;
     try {
         unit = parse_unit(unit_text);

@@ -79,4 +79,13 @@ void merge(Value& base, Value over) {
     base.base = over.base;
 }
 
+Value mended(Value map, const std::vector<std::string>& known) {
+    for (Value::Entry& entry : map.map) {
+        if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+        const std::string meant = nearest(entry.key, known);
+        if (!meant.empty() && map.find(meant) == nullptr) entry.key = meant;
+    }
+    return map;
+}
+
 }  // namespace pelorus::graph

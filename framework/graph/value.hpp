@@ -50,4 +50,8 @@ struct Value::Entry {
 /// away. A key that has nothing below it stays as it is.
 void merge(Value& base, Value over);
 
+/// A map in which misspelt keys have the names that were meant, unless those are taken: once a misspelling is told, what stands
+/// under it is checked all the same.
+Value mended(Value map, const std::vector<std::string>& known);
+
 }  // namespace pelorus::graph

@@ -48,16 +48,32 @@ private:
             if (!index_of(ports, entry.key))
                 problems_.add(entry.where, node.name + ".in: " + description.id + " has no in port '" + entry.key +
                                                "'" + suggestion(entry.key, ports, "in ports"));
+        const Value in = mended(node.in, ports);
         for (std::uint32_t port = 0; port < description.in_port_count; ++port) {
             const plr_port& described = element(description.in_ports, port);
-            const Value* from = node.in.find(described.name);
+            const Value* from = in.find(described.name);
             if (from != nullptr)
                 read_port(index, port, described, *from);
             else if ((described.flags & PLR_PORT_OPTIONAL) == 0)
                 problems_.add(node.part->use_where, node.name + ": the in port '" + described.name + "' (" +
                                                         host::message_kind_name(described.message) +
-                                                        ") is not connected");
+                                                        ") is not connected" + publishers(described, index));
         }
+    }
+
+    /// `; scan comes from world.scans`: what could be connected to an in port of a node.
+    std::string publishers(const plr_port& wanted, std::size_t to) const {
+        std::vector<std::string> ports;
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (nodes_[i].part == nullptr || i == to) continue;
+            const plr_description& description = nodes_[i].part->description();
+            for (std::uint32_t port = 0; port < description.out_port_count; ++port) {
+                const plr_port& offered = element(description.out_ports, port);
+                if (offered.message == wanted.message) ports.push_back(nodes_[i].name + "." + offered.name);
+            }
+        }
+        if (ports.empty()) return std::string("; no node publishes ") + host::message_kind_name(wanted.message);
+        return std::string("; ") + host::message_kind_name(wanted.message) + " comes from " + join(ports);
     }
 
     void read_port(std::size_t node, std::uint32_t port, const plr_port& described, const Value& from) {
@@ -94,7 +110,8 @@ private:
         }
         const std::vector<std::string> segments = split_address(address);
         if (segments.size() != 2 || !is_name(segments[0]) || segments[1].empty()) {
-            problems_.add(text.where, label + ": expected node.port or previous(node.port), got '" + text.scalar + "'");
+            problems_.add(text.where, label + ": expected node.port or previous(node.port), got '" + text.scalar + "'" +
+                                          publishers(described, node));
             return;
         }
         const auto from = index_of(names_, segments[0]);
@@ -121,7 +138,7 @@ private:
         if (carried == described.message) return true;
         problems_.add(edge.where, label + ": expected " + host::message_kind_name(described.message) + ", but " +
                                       nodes_[edge.from].name + "." + port + " carries " +
-                                      host::message_kind_name(carried));
+                                      host::message_kind_name(carried) + publishers(described, edge.to));
         return false;
     }
 

@@ -1,5 +1,7 @@
 #include "graph/yaml.hpp"
 
+#include "graph/yaml_diagnosis.hpp"
+
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
@@ -61,7 +63,15 @@ void refuse_other_encodings(const std::string& text, const TextOrigin& origin) {
                  1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')),
                  1 + static_cast<int>(at - line_start)};
     }
-    throw ConfigError({{where, "this is not UTF-8"}});
+    throw ConfigError({{where, "this is not UTF-8; a config is text, saved as UTF-8"}});
+}
+
+/// The parser's own words where they leave a reader alone.
+std::string plain_words(const std::string& message) {
+    if (message == "the referenced anchor is not defined") return "no anchor of this name (&NAME) stands before it";
+    if (message == "end of map not found" || message == "illegal map value")
+        return "this does not continue the map above it; are the indentation and the colons right? (" + message + ")";
+    return message;
 }
 
 /// Builds values from the parser's events.
@@ -257,7 +267,10 @@ Value read_yaml(const std::string& text, const TextOrigin& origin) {
         YAML::Parser parser(stream);
         while (parser.HandleNextDocument(builder)) continue;
     } catch (const YAML::Exception& exception) {
-        builder.problems().add(builder.location(exception.mark), "this is not YAML: " + exception.msg);
+        const YamlDiagnosis likely = diagnose_yaml(text, exception.mark.line + 1, exception.mark.column + 1);
+        Location where = builder.location(exception.mark);
+        if (!likely.text.empty() && !origin.file.empty()) where = {origin.file, likely.line, likely.column};
+        builder.problems().add(where, "this is not YAML: " + (likely.text.empty() ? plain_words(exception.msg) : likely.text));
     }
     builder.problems().raise();
     Value value = builder.take();

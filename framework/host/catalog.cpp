@@ -125,7 +125,20 @@ std::string likely(const std::string& id, const std::vector<std::string>& ids) {
     for (const std::string& candidate : ids)
         if (near.empty() && candidate.substr(candidate.rfind('.') + 1) == id.substr(id.rfind('.') + 1))
             near = candidate;
-    return near.empty() ? "" : " (did you mean " + near + "?)";
+    return near;
+}
+
+/// Where nothing is near: what there is of the kind that the id begins with, if that is little.
+std::string others_of_kind(const std::string& id, const std::vector<PluginFile>& plugins) {
+    constexpr std::size_t few = 12;
+    const Kind* kind = find_kind(id.substr(0, id.find('.')));
+    std::vector<std::string> ids;
+    for (const PluginFile& plugin : plugins)
+        if (kind != nullptr && plugin.kind == kind->name) ids.push_back(plugin.id);
+    if (ids.empty() || ids.size() > few) return {};
+    std::string text;
+    for (const std::string& other : ids) text += (text.empty() ? "" : ", ") + other;
+    return std::string("; of kind ") + kind->name + " there are: " + text;
 }
 
 }  // namespace
@@ -138,7 +151,11 @@ const PluginFile& Catalog::require(const std::string& id) const {
                 refuse("plugin " + id + " (" + rejected.library.string() + ") is not used: " + rejected.reason);
         std::vector<std::string> ids;
         for (const PluginFile& plugin : plugins_) ids.push_back(plugin.id);
-        refuse("no plugin " + id + likely(id, ids) + "; searched " + folder_names(folders_));
+        const std::string meant = likely(id, ids);
+        throw UnknownPlugin("no plugin " + id +
+                                (meant.empty() ? others_of_kind(id, plugins_) : " (did you mean " + meant + "?)") +
+                                "; searched " + folder_names(folders_),
+                            meant);
     }
     const auto clash = clashes_.find(id);
     if (clash != clashes_.end())

@@ -6,9 +6,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pelorus/abi/abi.h>
+
+#include "host/error.hpp"
 
 namespace pelorus::host {
 
@@ -38,6 +41,17 @@ struct LoadedPlugin {
     const plr_description& description() const { return *plugin->description; }
 };
 
+/// There is no plugin of that id.
+class UnknownPlugin : public Error {
+public:
+    UnknownPlugin(const std::string& line, std::string meant) : Error(Exit::misuse, line), meant_(std::move(meant)) {}
+    /// The id that was perhaps meant, or "".
+    const std::string& meant() const noexcept { return meant_; }
+
+private:
+    std::string meant_;
+};
+
 class Catalog {
 public:
     /// Folders to search, in order: `--plugins`, PELORUS_PLUGIN_PATH, ../lib/pelorus from the executable's folder, pelorus beside
@@ -57,7 +71,7 @@ public:
     const PluginFile* find(const std::string& id) const noexcept;
 
     /// Loads the plugin (once) and checks that it is what its manifest says. Throws Error (Exit::misuse) naming id, library,
-    /// what was wrong and, for an unknown id, the folders searched and the nearest id. Thread-safe.
+    /// what was wrong and, for an unknown id (UnknownPlugin), the folders searched and the nearest id. Thread-safe.
     const LoadedPlugin& load(const std::string& id);
 
 private:

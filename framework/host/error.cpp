@@ -56,6 +56,14 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
             best_distance = distance;
         }
     }
+    if (best != nullptr) return *best;
+    // A word that was cut short, if one candidate alone begins so.
+    constexpr std::size_t shortest = 3;
+    for (const std::string& candidate : candidates) {
+        if (word.size() < shortest || candidate.compare(0, word.size(), word) != 0) continue;
+        if (best != nullptr) return {};
+        best = &candidate;
+    }
     return best == nullptr ? std::string() : *best;
 }
 

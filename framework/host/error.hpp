@@ -48,7 +48,8 @@ private:
     std::vector<Item> items_;
 };
 
-/// The nearest of `candidates` to a misspelt word, or "" if none is near (Damerau-Levenshtein distance at most a third).
+/// The nearest of `candidates` to a misspelt word (Damerau-Levenshtein distance at most a third), else the only one that begins
+/// with it (three letters or more), or "".
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates);
 
 }  // namespace pelorus

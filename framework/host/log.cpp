@@ -94,7 +94,11 @@ void set_log_level(const std::string& name) {
         host_logger().set_level(level);
         return;
     }
-    throw Error(Exit::misuse, "no log level " + name + ": expected trace, debug, info, warning or error");
+    std::vector<std::string> names;
+    for (const auto& [level_name, level] : levels) names.push_back(level_name);
+    const std::string near = nearest(name, names);
+    throw Error(Exit::misuse, "no log level " + name + ": expected trace, debug, info, warning or error" +
+                                  (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 }  // namespace pelorus::host

@@ -7,14 +7,50 @@
 
 namespace pelorus::report {
 
+namespace {
+
+/// The file that stands where a folder should be made, or "".
+std::filesystem::path file_in_the_way(std::filesystem::path folder) {
+    std::error_code ignored;
+    for (; !folder.empty(); folder = folder.parent_path()) {
+        if (std::filesystem::exists(folder, ignored))
+            return std::filesystem::is_directory(folder, ignored) ? std::filesystem::path() : folder;
+        if (folder == folder.parent_path()) break;
+    }
+    return {};
+}
+
+/// What could not be written is told once all else is.
+class Writer {
+public:
+    explicit Writer(const std::filesystem::path& folder) : folder_(folder) {}
+    void write(const std::string& name, const std::string& text) {
+        try {
+            write_file(folder_ / name, text);
+        } catch (const Error& error) {
+            failures_ += (failures_.empty() ? "" : "; ") + std::string(error.what());
+        }
+    }
+    void raise() const {
+        if (!failures_.empty()) throw Error(Exit::run_failed, failures_);
+    }
+
+private:
+    const std::filesystem::path& folder_;
+    std::string failures_;
+};
+
+}  // namespace
+
 void prepare_folder(const std::filesystem::path& folder) {
     std::error_code reason;
+    const std::filesystem::path file = file_in_the_way(folder);
+    if (!file.empty())
+        throw Error(Exit::run_failed, "cannot make the result folder " + folder.string() + ": " + file.string() +
+                                          " is a file; move it, or name another folder with --out");
     std::filesystem::create_directories(folder, reason);
     if (reason)
         throw Error(Exit::run_failed, "cannot make the result folder " + folder.string() + ": " + reason.message());
-    if (!std::filesystem::is_directory(folder, reason))
-        throw Error(Exit::run_failed,
-                    "cannot make the result folder " + folder.string() + ": a file of that name is in the way");
     const std::filesystem::path trial = folder / ".writable";
     try {
         write_file(trial, "");
@@ -29,9 +65,11 @@ void prepare_folder(const std::filesystem::path& folder) {
 
 void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents) {
     prepare_folder(folder);
-    write_file(folder / "timing.json", json_text(contents.timing));
-    write_file(folder / "provenance.json", json_text(contents.provenance));
-    write_file(folder / "summary.json", json_text(contents.summary));  // last: where it is, the others are
+    Writer writer(folder);
+    writer.write("timing.json", json_text(contents.timing));
+    writer.write("provenance.json", json_text(contents.provenance));
+    writer.write("summary.json", json_text(contents.summary));  // last: where it is, the others are
+    writer.raise();
 }
 
 void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph,

@@ -72,11 +72,11 @@ struct Runtime::Implementation {
             failure = problem.what();
         }
         phase = Phase::over;
-        throw Error(Exit::run_failed, failure + finish_sinks_after_failure());
+        throw Error(Exit::run_failed, failure + finish_sinks_after_failure(failure));
     }
     void drain(Time last);
     void finish_all();
-    std::string finish_sinks_after_failure();
+    std::string finish_sinks_after_failure(const std::string& failure);
     Snapshot take_snapshot() const;
     void restore(Snapshot snapshot);
 

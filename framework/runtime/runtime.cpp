@@ -212,7 +212,7 @@ void Runtime::Implementation::finish_all() {
     }
 }
 
-std::string Runtime::Implementation::finish_sinks_after_failure() {
+std::string Runtime::Implementation::finish_sinks_after_failure(const std::string& failure) {
     std::string failures;
     for (const std::size_t node : wiring.order) {
         if (finished[node] || !runners[node]->is_sink()) continue;
@@ -220,7 +220,11 @@ std::string Runtime::Implementation::finish_sinks_after_failure() {
         try {
             runners[node]->finish(now.value_or(0));
         } catch (const Error& problem) {
-            failures += std::string("; then ") + problem.what();
+            // A full disk that ended the run is met again here.
+            const std::string line = problem.what();
+            const std::size_t reason = line.find(": ");
+            if (reason == std::string::npos || failure.find(line.substr(reason)) == std::string::npos)
+                failures += "; then " + line;
         }
     }
     return failures;

@@ -8,6 +8,7 @@
 
 #include "host/error.hpp"
 #include "runtime/bytes.hpp"
+#include "runtime/config_difference.hpp"
 #include "runtime/message_bytes.hpp"
 #include "runtime/message_check.hpp"
 
@@ -15,7 +16,7 @@ namespace pelorus::runtime {
 namespace {
 
 constexpr char magic[8] = {'P', 'L', 'R', 'S', 'N', 'A', 'P', '\n'};
-constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t format_version = 2;  // 2: the config as text, so that a difference can be named
 constexpr std::size_t head_size = sizeof magic + sizeof format_version + sizeof(std::uint64_t);
 
 static_assert(std::tuple_size_v<Digest> == crypto_hash_sha256_BYTES);
@@ -38,6 +39,7 @@ void write_origin(ByteWriter& writer, const Wiring& wiring) {
         writer.text(node.plugin);
         writer.text(node.version);
     }
+    writer.text(wiring.parameters);
     const Digest digest = digest_of(wiring);
     writer.block(digest.data(), digest.size());
 }
@@ -56,10 +58,13 @@ void check_origin(ByteReader& reader, const Wiring& wiring) {
     }
     if (index < wiring.nodes.size())
         refuse(fmt::format("it has no node {}, which this graph has", wiring.nodes[index].name));
+    const std::string parameters = reader.text();
     Digest digest{};
     reader.block(digest.data(), digest.size());
-    if (digest != digest_of(wiring))
-        refuse("it was taken from a graph with the same nodes, but other edges, parameters, parts or seed");
+    if (digest == digest_of(wiring)) return;
+    const std::string difference = first_difference(parameters, wiring.parameters);
+    refuse(difference.empty() ? "it was taken from a graph with the same nodes, but other edges, parameters, parts or seed"
+                              : "it was taken from another config: " + difference);
 }
 
 void write_node(ByteWriter& writer, const Snapshot::Node& node) {

@@ -89,7 +89,7 @@ std::string parameters_of(const graph::Graph& graph) {
     for (const char* irrelevant : {"title", "campaign"})
         if (config.is_object()) config.erase(irrelevant);
     shorten_paths(config, plugins);
-    return Json{{"seed", graph.seed()}, {"plugins", versions}, {"config", config}}.dump(-1, ' ', false,
+    return Json{{"seed", graph.seed()}, {"config", config}, {"plugins", versions}}.dump(-1, ' ', false,
                                                                                         Json::error_handler_t::replace);
 }
 

@@ -30,8 +30,8 @@ struct Wiring {
     std::vector<graph::Edge> edges;
     host::GuardMode guard = host::GuardMode::start;  ///< whether deliveries are checked
     std::vector<std::size_t> order;                  ///< every edge but the feedback ones goes forward
-    std::string
-        parameters;  ///< everything else that determines the run, as text: two runs with the same text are the same run
+    /// Everything else that determines the run, as JSON text: two runs with the same text are the same run.
+    std::string parameters;
 };
 
 /// A stage's functions; those that its table is too short for are NULL.

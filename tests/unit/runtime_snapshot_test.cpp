@@ -233,6 +233,16 @@ TEST_CASE("a snapshot of another graph is refused by name and nothing is changed
               "snapshot refused: it was taken from a graph with the same nodes, but other edges, parameters, parts or "
               "seed");
     }
+    SECTION("other parameters, of a config as a graph tells them") {
+        const char* const before = R"({"seed": 7, "config": {"graph": {"ticks": {"use": "a", "with": {"period": 2.0}}}}})";
+        world.graph.editable().parameters = before;
+        const Bytes taken = Runtime(world.graph.wiring()).snapshot();
+        World again;
+        again.graph.editable().parameters =
+            R"({"seed": 7, "config": {"graph": {"ticks": {"use": "a", "with": {"period": 1.0}}}}})";
+        CHECK(refusal(taken, again) ==
+              "snapshot refused: it was taken from another config: ticks.period is 2.0 there, 1.0 here");
+    }
     SECTION("other edges") {
         world.graph.editable().edges.pop_back();
         CHECK_THAT(refusal(bytes, world), Catch::Contains("other edges"));
@@ -269,7 +279,7 @@ TEST_CASE("truncated, damaged and foreign bytes are refused in a clear line", "[
     CHECK(refusal(Bytes(1000, 0x55)) == "snapshot refused: it does not begin as a snapshot does");
     Bytes bytes = good;
     bytes[8] = 99;
-    CHECK(refusal(bytes) == "snapshot refused: it has format 99, expected 1");
+    CHECK(refusal(bytes) == "snapshot refused: it has format 99, expected 2");
     for (const std::size_t size :
          {std::size_t{8}, std::size_t{10}, std::size_t{20}, good.size() / 2, good.size() - 1}) {
         CAPTURE(size);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace sink_csv {
 
@@ -215,9 +217,17 @@ void CsvSink::on_scan(const pelorus::Event& event, const plr_scan& message) {
 }
 
 void CsvSink::finish(const pelorus::Event&) {
-    tracks_.finish();
-    truth_.finish();
-    for (auto& [sensor, table] : scans_) table.finish();
+    std::vector<Table*> tables{&tracks_, &truth_};
+    for (auto& [sensor, table] : scans_) tables.push_back(&table);
+    std::string failure;
+    for (Table* table : tables) {
+        try {
+            table->finish();
+        } catch (const pelorus::IoError& error) {  // the other files are completed all the same
+            if (failure.empty()) failure = error.what();
+        }
+    }
+    if (!failure.empty()) throw pelorus::IoError(failure);
 }
 
 }  // namespace sink_csv

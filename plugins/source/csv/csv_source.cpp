@@ -65,7 +65,11 @@ void CsvSource::setup(const pelorus::Setup& setup) {
             throw pelorus::ParameterError("start", std::string(error.what()) + ", or first");
         }
     }
-    rows_ = std::make_unique<RowReader>(file_, *this, plan_, geodetic_);
+    try {
+        rows_ = std::make_unique<RowReader>(file_, *this, plan_, geodetic_);
+    } catch (const pelorus::IoError& error) {
+        throw pelorus::ParameterError("file", error.what());
+    }
     scan_.emplace(sensor_, frame_, plan_.measurement);
     truth_space_ =
         pelorus::kinematic_space(plan_.true_dimension(), std::vector<double>(plan_.has_velocity() ? 2 : 1, 0.0));
@@ -161,7 +165,8 @@ std::optional<Row> CsvSource::fetch() {
             case RowReader::Answer::row:
                 if (accept(row)) return row;
                 break;
-            default:
+            case RowReader::Answer::unwanted:
+                ++counted_.unselected;  // meant so, and no counter of the run: large files have millions
                 break;
         }
     }
@@ -206,7 +211,11 @@ void CsvSource::refuse_row(const std::string& problem) {
 
 void CsvSource::finish(const pelorus::Event&) {
     const Counts& c = counted_;
-    if (c.rows == 0) log(PLR_LOG_WARNING, file_.string() + ": no row was used");
+    if (c.rows == 0 && c.unselected > 0)
+        log(PLR_LOG_WARNING, file_.string() + ": no row was used; " + std::to_string(c.unselected) +
+                                 " rows do not have the values that select asks for");
+    else if (c.rows == 0)
+        log(PLR_LOG_WARNING, file_.string() + ": no row was used");
     if (c.bad + c.backward + c.duplicate + c.early == 0) return;
     log(PLR_LOG_WARNING, file_.string() + ": " + std::to_string(c.rows) +
                              " rows used; left out: " + std::to_string(c.bad) + " bad, " + std::to_string(c.backward) +

@@ -48,8 +48,10 @@ private:
         template <class Archive> void state(Archive& archive) { archive(first, last); }
     };
     struct Counts {
-        std::uint64_t rows = 0, bad = 0, backward = 0, duplicate = 0, early = 0;
-        template <class Archive> void state(Archive& archive) { archive(rows, bad, backward, duplicate, early); }
+        std::uint64_t rows = 0, bad = 0, backward = 0, duplicate = 0, early = 0, unselected = 0;
+        template <class Archive> void state(Archive& archive) {
+            archive(rows, bad, backward, duplicate, early, unselected);
+        }
     };
 
     void fill();

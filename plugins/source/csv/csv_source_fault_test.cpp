@@ -53,10 +53,10 @@ TEST_CASE("source.csv refuses a missing, empty or unreadable file by name when i
         StageUnderTest stage(bench, plugin_of<source_csv::CsvSource>("source.csv"),
                              "{file: " + path + ", " + plane + "}");
     };
-    CHECK_THROWS_WITH(make("/nowhere/at/all.csv"), "cannot read /nowhere/at/all.csv: No such file or directory");
-    CHECK_THROWS_WITH(make(folder.path().string()), "cannot read " + folder.path().string() + ": it is a folder");
-    CHECK(refusal("", plane) == "cannot read FILE: it is empty");
-    CHECK(refusal("\"a", plane) == "cannot read FILE: the header ends within a quoted field");
+    CHECK_THROWS_WITH(make("/nowhere/at/all.csv"), "file: cannot read /nowhere/at/all.csv: No such file or directory");
+    CHECK_THROWS_WITH(make(folder.path().string()), "file: cannot read " + folder.path().string() + ": it is a folder");
+    CHECK(refusal("", plane) == "file: cannot read FILE: it is empty");
+    CHECK(refusal("\"a", plane) == "file: cannot read FILE, its header: ends within a quoted field");
 }
 
 TEST_CASE("source.csv refuses columns that are not there and names those that are", "[source.csv]") {

@@ -43,11 +43,13 @@ bool InputFile::refill() {
     end_ = count > 0 ? static_cast<std::size_t>(count) : 0;
     if (end_ > 0) return true;
     int code = Z_OK;
-    const char* text = gzerror(file_.get(), &code);
+    std::string text = gzerror(file_.get(), &code);
+    if (const std::size_t colon = text.find(">: "); colon != std::string::npos)  // `<fd:3>: incorrect data check`
+        text = text.substr(colon + 3);
     if (code == Z_OK || code == Z_STREAM_END) return false;
     if (code == Z_ERRNO) fail(path_, system_text(errno));
     throw pelorus::DataError(code == Z_BUF_ERROR ? "the compressed data end early"
-                                                 : std::string("the compressed data are damaged (") + text + ")");
+                                                 : "the compressed data are damaged (" + text + ")");
 }
 
 void InputFile::seek(std::uint64_t offset) {

@@ -71,7 +71,7 @@ void RowReader::read_header(const std::filesystem::path& path) {
     const CsvReader::Answer answer = reader_.next();
     if (answer == CsvReader::Answer::end) throw pelorus::IoError("cannot read " + path.string() + ": it is empty");
     if (answer == CsvReader::Answer::malformed)
-        throw pelorus::IoError("cannot read " + path.string() + ": the header " + reader_.problem());
+        throw pelorus::IoError("cannot read " + path.string() + ", its header: " + reader_.problem());
     for (std::size_t i = 0; i < reader_.size(); ++i) names_.emplace_back(reader_[i]);
 }
 
@@ -92,7 +92,8 @@ RowReader::Source RowReader::locate(const std::string& column, const std::string
         std::string known;
         for (const std::string& name : names_) known += (known.empty() ? "" : ", ") + name;
         throw pelorus::ParameterError(parameter,
-                                      "the file has no column " + shown(column) + "; it has " + known.substr(0, 300));
+                                      "the file has no column " + shown(column) + "; it has " + known.substr(0, 300) +
+                                          (names_.size() == 1 ? ", one column only; is the delimiter right?" : ""));
     }
     if (std::count(names_.begin(), names_.end(), column) > 1)
         throw pelorus::ParameterError(parameter, "the file has several columns " + shown(column));

@@ -32,6 +32,7 @@ void PointTargetTracker::setup(const pelorus::Setup& setup) {
     frame_ = setup.frame();
     message_.emplace(frame_, models_.cartesian());
     diagnostics_ = setup.optional_service<plr_diagnostics>();
+    log_ = setup.optional_service<plr_log>();
 }
 
 std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) const {
@@ -80,6 +81,15 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     for (const Outcome& outcome : outcomes_) marked.push_back(outcome.removed ? 1 : 0);
     tracks_.remove(marked);
     newest_ = std::max(newest_.value_or(scan_time_), scan_time_);
+}
+
+/// A run without a single track ends well, but hardly as it was meant to.
+void PointTargetTracker::finish(const pelorus::Event&) {
+    if (next_id_ != 1 || log_ == nullptr || PLR_LOG_WARNING < log_->level) return;
+    const std::string line = step_ == 0 ? "no scan came, so no track was started"
+                                        : "no track was started: none of " + std::to_string(step_) +
+                                              " scans had a measurement that could start one";
+    log_->write(log_->context, PLR_LOG_WARNING, line.c_str());
 }
 
 /// Whether tracks without a detection are predicted to the scan's time, too: to count a miss, to be published, or now and then

@@ -35,6 +35,7 @@ public:
     std::vector<pelorus::Stream> out_streams(std::uint32_t port) const;
 
     void on_scan(const pelorus::Event& event, const plr_scan& scan);
+    void finish(const pelorus::Event& event);
     void on_values(const pelorus::Event& event, const plr_values& values);
 
     template <class Archive> void state(Archive& archive) {
@@ -87,6 +88,7 @@ private:
     std::string frame_;
     std::optional<pelorus::TracksBuilder> message_;
     const plr_diagnostics* diagnostics_ = nullptr;
+    const plr_log* log_ = nullptr;
 
     // the scan at hand
     std::int64_t scan_time_ = 0;

@@ -166,9 +166,12 @@ private:
         const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
         if (opened < 0) fail("cannot write", file, errno);
         descriptor_ = opened;
-        if (::flock(opened, LOCK_EX | LOCK_NB) != 0)
+        if (::flock(opened, LOCK_EX | LOCK_NB) != 0) {
+            ::close(opened);
+            descriptor_ = -1;  // or finish() would put what is buffered into the other one's file
             throw IoError("cannot write " + file.string() +
                           ": somebody else is writing it (another sink, another run)");
+        }
         if (from.empty() || from == file) {
             if (::ftruncate(opened, static_cast<off_t>(size_)) != 0) fail("cannot write", file, errno);
             if (::lseek(opened, 0, SEEK_END) < 0) fail("cannot write", file, errno);
