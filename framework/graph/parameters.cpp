@@ -245,7 +245,8 @@ ParameterSet read_parameters(const plr_parameter* first, std::uint32_t count, co
         if (given == nullptr || (given->value.is_null() && given->where.line == 0)) {
             read_default(parameter, context, stored);
         } else if (given->value.is_null()) {
-            context.problems.add(given->where, label + ": has no value; give one, or leave the key out for the default");
+            context.problems.add(given->where,
+                                 label + ": has no value; give one, or leave the key out for the default");
         } else {
             try {
                 read_value(parameter, given->value, label, context, stored);

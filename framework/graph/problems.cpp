@@ -34,7 +34,8 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
     const std::size_t colon = word.find(':');
     if (colon != std::string::npos) {  // `scans:60` in braces is a key of that name
         near = nearest(word.substr(0, colon), candidates);
-        if (!near.empty()) return "; a blank is missing after the colon: `" + near + ": " + word.substr(colon + 1) + "`";
+        if (!near.empty())
+            return "; a blank is missing after the colon: `" + near + ": " + word.substr(colon + 1) + "`";
     }
     if (!near.empty()) text += "; did you mean '" + near + "'?";
     if (candidates.empty())

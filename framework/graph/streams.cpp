@@ -58,7 +58,8 @@ std::string lacking(const plr_space& offered, const plr_space& wanted) {
     }
     for (std::uint32_t i = 0; i < offered.size; ++i) all.push_back(show(element(offered.components, i)));
     if (!lacks) return {};
-    return "of the components that are wanted, in this order, " + join(lines, "; ") + "; offered are " + join(all, "; ");
+    return "of the components that are wanted, in this order, " + join(lines, "; ") + "; offered are " +
+           join(all, "; ");
 }
 
 /// `the stream of sensor 'radar'`, `the stream`
@@ -214,8 +215,8 @@ private:
             if (first_problem.empty()) first_problem = problem;
         }
         if (!first_problem.empty()) return name_of(offered) + " does not fit: " + first_problem;
-        return name_of(offered) + " is not wanted there; scans go to sensors by name, and these are wanted: " +
-               join(sensors);
+        return name_of(offered) +
+               " is not wanted there; scans go to sensors by name, and these are wanted: " + join(sensors);
     }
 
     const std::vector<Node>& nodes_;

@@ -270,7 +270,8 @@ Value read_yaml(const std::string& text, const TextOrigin& origin) {
         const YamlDiagnosis likely = diagnose_yaml(text, exception.mark.line + 1, exception.mark.column + 1);
         Location where = builder.location(exception.mark);
         if (!likely.text.empty() && !origin.file.empty()) where = {origin.file, likely.line, likely.column};
-        builder.problems().add(where, "this is not YAML: " + (likely.text.empty() ? plain_words(exception.msg) : likely.text));
+        builder.problems().add(where,
+                               "this is not YAML: " + (likely.text.empty() ? plain_words(exception.msg) : likely.text));
     }
     builder.problems().raise();
     Value value = builder.take();

@@ -230,7 +230,8 @@ YamlDiagnosis indentation(const std::vector<Line>& lines) {
     if (line.indent > above.indent && !above.ends_in_colon() && !above.colons.empty())
         return at(line, line.indent,
                   by + ", deeper than line " + std::to_string(above.number) +
-                      ", which has a value already; does it belong beside it, by " + std::to_string(above.indent) + "?");
+                      ", which has a value already; does it belong beside it, by " + std::to_string(above.indent) +
+                      "?");
     if (line.indent >= above.indent || std::count(levels.begin(), levels.end(), line.indent) > 0) return {};
     std::string known;
     for (const std::size_t level : levels) known += (known.empty() ? "" : ", ") + std::to_string(level);

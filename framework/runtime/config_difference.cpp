@@ -38,8 +38,7 @@ std::string compare(const Json& there, const Json& here, const std::string& addr
         return address + " is " + shown(&there) + " there, " + shown(&here) + " here";
     for (const std::string& key : keys_of(there, here)) {
         const auto left = there.find(key), right = here.find(key);
-        const std::string below =
-            is_silent(key, depth) ? address : address + (address.empty() ? "" : ".") + key;
+        const std::string below = is_silent(key, depth) ? address : address + (address.empty() ? "" : ".") + key;
         if (left == there.end() || right == here.end())
             return below + " is " + shown(left == there.end() ? nullptr : &*left) + " there, " +
                    shown(right == here.end() ? nullptr : &*right) + " here";

@@ -63,8 +63,9 @@ void check_origin(ByteReader& reader, const Wiring& wiring) {
     reader.block(digest.data(), digest.size());
     if (digest == digest_of(wiring)) return;
     const std::string difference = first_difference(parameters, wiring.parameters);
-    refuse(difference.empty() ? "it was taken from a graph with the same nodes, but other edges, parameters, parts or seed"
-                              : "it was taken from another config: " + difference);
+    refuse(difference.empty()
+               ? "it was taken from a graph with the same nodes, but other edges, parameters, parts or seed"
+               : "it was taken from another config: " + difference);
 }
 
 void write_node(ByteWriter& writer, const Snapshot::Node& node) {

@@ -35,8 +35,9 @@ std::vector<std::pair<std::string, std::string>> pairs_of(const YAML::Node& map)
 }
 
 FaultCase read_case(const YAML::Node& node, const std::string& file) {
-    check_keys(node, {"title", "of", "change", "files", "prepare", "needs", "command", "exit", "prints", "folder",
-                      "leaves", "holds", "cure"},
+    check_keys(node,
+               {"title", "of", "change", "files", "prepare", "needs", "command", "exit", "prints", "folder", "leaves",
+                "holds", "cure"},
                file);
     FaultCase fault;
     fault.title = text_of(node, "title");
@@ -65,8 +66,7 @@ void lay_out(const FaultCase& fault, const TemporaryFolder& folder) {
         fs::copy(entry.path(), folder.path());
     std::string config = folder.read(fault.of);
     for (const auto& [from, to] : fault.change) {
-        if (count(config, from) != 1)
-            throw std::runtime_error("'" + from + "' does not stand once in " + fault.of);
+        if (count(config, from) != 1) throw std::runtime_error("'" + from + "' does not stand once in " + fault.of);
         replace_all(config, from, to);
     }
     folder.write(fault.of, config);
@@ -145,8 +145,8 @@ std::string folder_difference(const FaultCase& fault, const TemporaryFolder& fol
     std::sort(names.begin(), names.end());
     std::string text;
     if (names != fault.leaves)
-        text += "the result folder " + fault.folder + " holds " + list(names) + ", expected " + list(fault.leaves) +
-                "\n";
+        text +=
+            "the result folder " + fault.folder + " holds " + list(names) + ", expected " + list(fault.leaves) + "\n";
     for (const auto& [file, part] : fault.holds)
         if (!folder.has(file))
             text += "there is no file " + file + "\n";

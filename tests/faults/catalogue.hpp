@@ -12,18 +12,18 @@ namespace pelorus::test {
 /// One fault. It is tried in a folder of its own, which holds copies of faults/files.
 struct FaultCase {
     std::string title;
-    std::string of = "first.yaml";                             ///< the file that `change` changes
-    std::vector<std::pair<std::string, std::string>> change;   ///< texts that stand there once, and what replaces them
-    std::vector<std::pair<std::string, std::string>> files;    ///< name and content of further files
-    std::string prepare;                                       ///< shell commands before, which must succeed
-    std::string needs;                                         ///< a shell command; where it fails the case is skipped
-    std::string command;                                       ///< shell commands
-    int exit = 0;                                              ///< their exit code
-    std::string prints;                                        ///< on standard error; ${ANY} is any text within a line
-    std::string folder = "out";                                ///< the result folder
-    std::vector<std::string> leaves;                           ///< files in it afterwards, sorted
-    std::map<std::string, std::string> holds;                  ///< file in the case's folder: a text that stands in it
-    std::string cure;                                          ///< what the reader is to do; Markdown
+    std::string of = "first.yaml";                            ///< the file that `change` changes
+    std::vector<std::pair<std::string, std::string>> change;  ///< texts that stand there once, and what replaces them
+    std::vector<std::pair<std::string, std::string>> files;   ///< name and content of further files
+    std::string prepare;                                      ///< shell commands before, which must succeed
+    std::string needs;                                        ///< a shell command; where it fails the case is skipped
+    std::string command;                                      ///< shell commands
+    int exit = 0;                                             ///< their exit code
+    std::string prints;                                       ///< on standard error; ${ANY} is any text within a line
+    std::string folder = "out";                               ///< the result folder
+    std::vector<std::string> leaves;                          ///< files in it afterwards, sorted
+    std::map<std::string, std::string> holds;                 ///< file in the case's folder: a text that stands in it
+    std::string cure;                                         ///< what the reader is to do; Markdown
 };
 
 struct FaultGroup {

@@ -94,11 +94,11 @@ TEST_CASE("A config file that cannot be read is named with the reason", "[docume
     folder.write("empty.yaml", "# nothing\n");
     folder.write("odd.yaml", "extend: [a, b]\n");
     fs::create_directory("folder");
-    CHECK(problems("gone.yaml") == "gone.yaml: No such file or directory");
-    CHECK(problems("a.yaml") == "a.yaml:1:9: extend: gone.yaml: No such file or directory");
+    CHECK(problems("gone.yaml") == "gone.yaml: there is no such file");
+    CHECK(problems("a.yaml") == "a.yaml:1:9: extend: gone.yaml: there is no such file");
     CHECK(problems("folder") == "folder: is a folder, not a config file");
     CHECK(problems("list.yaml") == "list.yaml:1:1: a config is a map that begins with `pelorus: 1`, got a list");
-    CHECK(problems("empty.yaml") == "empty.yaml: the config is empty");
+    CHECK(problems("empty.yaml") == "empty.yaml: the config is empty; it begins with `pelorus: 1`");
     CHECK(problems("odd.yaml") == "odd.yaml:1:9: extend: expected the name of one config file, got a list");
 }
 

@@ -80,10 +80,10 @@ TEST_CASE("Tags, further documents and keys that are no words are refused", "[do
 }
 
 TEST_CASE("Text that is not YAML is refused at its place", "[document]") {
-    CHECK(problems("a: [1, 2\nb: 3\n") == "a.yaml:2:2: this is not YAML: end of sequence flow not found");
-    CHECK(problems("a: *nowhere\n") == "a.yaml:1:4: this is not YAML: the referenced anchor is not defined");
+    CHECK(problems("a: [1, 2\nb: 3\n") == "a.yaml:1:4: this is not YAML: this '[' is not closed");
+    CHECK(problems("a: *nowhere\n") == "a.yaml:1:4: this is not YAML: no anchor of this name (&NAME) stands before it");
     CHECK(problems("a: &a [1, *a]\n") == "a.yaml:1:11: an anchor is used inside its own value");
-    CHECK(problems("a: \"open\nb: 3\n") == "a.yaml:2:5: this is not YAML: illegal EOF in scalar");
+    CHECK(problems("a: \"open\nb: 3\n") == "a.yaml:1:4: this is not YAML: this quote is not closed");
 }
 
 TEST_CASE("Deep nesting and multiplying aliases end with an error, not with the memory", "[document]") {
@@ -105,9 +105,9 @@ TEST_CASE("Deep nesting and multiplying aliases end with an error, not with the 
 TEST_CASE("Bytes that are not UTF-8 are refused, control characters kept out of messages", "[document]") {
     CHECK(read("a: \xC3\xA4\xE2\x82\xAC\xF0\x9D\x84\x9E\n").find("a")->scalar ==
           "\xC3\xA4\xE2\x82\xAC\xF0\x9D\x84\x9E");
-    CHECK(problems("a: 1\nb: x\xFFy\n") == "a.yaml:2:5: this is not UTF-8");
+    CHECK(problems("a: 1\nb: x\xFFy\n") == "a.yaml:2:5: this is not UTF-8; a config is text, saved as UTF-8");
     for (const char* bytes : {"\x80", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
                               "\xF5\x80\x80\x80", "\xE2\x82", "\xC3"})
-        CHECK(problems(bytes) == "a.yaml:1:1: this is not UTF-8");
+        CHECK(problems(bytes) == "a.yaml:1:1: this is not UTF-8; a config is text, saved as UTF-8");
     CHECK(problems("a: \"\\\n b: \\q\"\n").find('\n') == std::string::npos);
 }

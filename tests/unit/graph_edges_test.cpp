@@ -78,19 +78,20 @@ TEST_CASE("Edges that lead nowhere, or carry something else, are refused togethe
   l: {use: registration.pass, in: a.scans}
 )")) == "test.yaml:14:35: l.in: expected a map, got 'a.scans'\n"
         "test.yaml:3:31: a.in: source.plain has no in port 'comands'; did you mean 'commands'? in ports: commands\n"
-        "test.yaml:4:43: b.in.scans: expected scan, but a.truth carries truth\n"
+        "test.yaml:4:43: b.in.scans: expected scan, but a.truth carries truth; scan comes from a.scans\n"
         "test.yaml:5:43: c.in.scans: source.plain has no out port 'scan'; did you mean 'scans'? out ports: scans, "
         "truth\n"
         "test.yaml:6:43: d.in.scans: there is no node 'aa'; nodes: a, b, c, d, e, f, g, h, i, j, k, l\n"
-        "test.yaml:7:43: e.in.scans: expected node.port or previous(node.port), got 'a'\n"
+        "test.yaml:7:43: e.in.scans: expected node.port or previous(node.port), got 'a'; scan comes from a.scans\n"
         "test.yaml:8:43: f.in.scans: one edge may end here, got 2\n"
-        "test.yaml:9:43: g.in.scans: expected node.port or previous(node.port), got 'previous(a.scans'\n"
+        "test.yaml:9:43: g.in.scans: expected node.port or previous(node.port), got 'previous(a.scans'; scan comes "
+        "from a.scans\n"
         "test.yaml:10:47: h.in.scans: expected node.port or previous(node.port), got a list\n"
         "test.yaml:10:58: h.in.scans: the same edge stands twice\n"
-        "test.yaml:11:12: i: the in port 'scans' (scan) is not connected\n"
+        "test.yaml:11:12: i: the in port 'scans' (scan) is not connected; scan comes from a.scans\n"
         "test.yaml:12:37: j.in.scans: expected node.port or previous(node.port), got a list\n"
         "test.yaml:13:43: k.in.scans: expected node.port or previous(node.port), got a map\n"
-        "test.yaml:14:12: l: the in port 'scans' (scan) is not connected");
+        "test.yaml:14:12: l: the in port 'scans' (scan) is not connected; scan comes from a.scans");
 }
 
 TEST_CASE("A circle of edges is refused and printed, and previous() opens it", "[graph][edges]") {
@@ -178,36 +179,34 @@ TEST_CASE("Streams that fit are joined", "[graph][edges]") {
 
 TEST_CASE("Streams that do not fit are refused with both sides", "[graph][edges]") {
     CHECK(joined({{"radar", doppler, ""}}, {{"radar", polar, ""}}) ==
-          at + "the stream of sensor 'radar' does not fit: components are range [m], range_rate [m/s], azimuth [rad]; "
-               "wanted range [m], "
-               "azimuth [rad]; the first difference is component 2: range_rate [m/s] instead of azimuth [rad]");
+          at + "the stream of sensor 'radar' does not fit: components, offered against wanted: range [m] = range [m]; "
+               "range_rate [m/s] != azimuth [rad]; azimuth [rad] != nothing");
     CHECK(joined({{"radar", polar, ""}}, {{"radar", doppler, "", PLR_STREAM_AT_LEAST}}) ==
-          at + "the stream of sensor 'radar' does not fit: components are range [m], azimuth [rad]; wanted at least "
-               "range [m], "
-               "range_rate [m/s], azimuth [rad]; the first difference is component 2: there is no range_rate [m/s]");
+          at + "the stream of sensor 'radar' does not fit: of the components that are wanted, in this order, range "
+               "[m] is there; range_rate [m/s] is missing; azimuth [rad] is there; offered are range [m]; azimuth "
+               "[rad]");
     CHECK(joined({{"radar", {polar[0]}, ""}}, {{"radar", polar, ""}}) ==
-          at + "the stream of sensor 'radar' does not fit: components are range [m]; wanted range [m], azimuth [rad]; "
-               "the first "
-               "difference is component 2: there is no azimuth [rad]");
+          at + "the stream of sensor 'radar' does not fit: components, offered against wanted: range [m] = range [m]; "
+               "nothing != azimuth [rad]");
     CHECK(joined({{"radar", polar, ""}}, {{"radar", {polar[0]}, ""}}) ==
-          at + "the stream of sensor 'radar' does not fit: components are range [m], azimuth [rad]; wanted range [m]; "
-               "the first one too "
-               "many is azimuth [rad]");
+          at + "the stream of sensor 'radar' does not fit: components, offered against wanted: range [m] = range [m]; "
+               "azimuth [rad] != nothing");
     CHECK(joined({{"radar", {component("range", "m"), component("azimuth", "1")}, ""}}, {{nullptr, polar, ""}})
               .find("not an SI unit") != std::string::npos);
     CHECK(joined({{"radar", {component("range", "s"), polar[1]}, ""}}, {{nullptr, polar, ""}}) ==
-          at + "the stream of sensor 'radar' does not fit: components are range [s], azimuth [rad]; wanted range [m], "
-               "azimuth [rad]; the "
-               "first difference is component 1: range [s] instead of range [m]");
+          at + "the stream of sensor 'radar' does not fit: components, offered against wanted: range [s] != range [m]; "
+               "azimuth [rad] = azimuth [rad]");
     CHECK(joined({{"radar", polar, "site"}}, {{nullptr, polar, ""}}) ==
-          at + "the stream of sensor 'radar' does not fit: it is in frame 'site', wanted in the root frame");
+          at + "the stream of sensor 'radar' does not fit: it is in frame 'site', wanted in the root frame; nodes "
+               "name theirs by `frame:`");
 }
 
 TEST_CASE("A stream meets the one of its sensor, even where another would fit", "[graph][edges]") {
     CHECK(joined({{"radar", polar, ""}}, {{"radar", doppler, ""}, {nullptr, polar, ""}})
               .find("the stream of sensor 'radar' does not fit") != std::string::npos);
     CHECK(joined({{"lidar", polar, ""}}, {{"radar", polar, ""}, {"camera", polar, ""}}) ==
-          at + "the stream of sensor 'lidar' is not wanted there; wanted sensors: 'radar', 'camera'");
+          at + "the stream of sensor 'lidar' is not wanted there; scans go to sensors by name, and these "
+               "are wanted: 'radar', 'camera'");
     CHECK(joined({{"radar", polar, ""}, {"lidar", polar, ""}}, {{"radar", polar, ""}}).find("'lidar' is not wanted") !=
           std::string::npos);
 }
@@ -241,10 +240,8 @@ TEST_CASE("What a stage passes on is compared where it arrives", "[graph][edges]
 )");
     // The radar's stream is replaced by one that fits; the lidar's comes through as it was.
     CHECK(plugins.problems(yaml) ==
-          "test.yaml:5:38: b.scans -> c.scans: the stream of sensor 'lidar' does not fit: components are range [m], "
-          "azimuth [rad]; wanted "
-          "range [m], range_rate [m/s], azimuth [rad]; the first difference is component 2: azimuth [rad] instead of "
-          "range_rate [m/s]");
+          "test.yaml:5:38: b.scans -> c.scans: the stream of sensor 'lidar' does not fit: components, offered against "
+          "wanted: range [m] = range [m]; azimuth [rad] != range_rate [m/s]; nothing != azimuth [rad]");
     passes_on = 0;
     CHECK(plugins.problems(yaml) == "built");
     passes_on = 2;

@@ -108,9 +108,11 @@ TEST_CASE("Values that do not fit are refused at their place, all at once", "[gr
     CHECK(one.read("      threshold: 6 m\n") ==
           "test.yaml:6:18: n.threshold: must be greater than 0 m and at most 5 m, got '6 m'");
     CHECK(one.read("      {threshold: 1, scans: 0}\n") == "test.yaml:6:29: n.scans: must be at least 1, got '0'");
-    CHECK(one.read("      threshold: inf\n") == "test.yaml:6:18: n.threshold: expected a value in m, got 'inf'");
+    CHECK(one.read("      threshold: inf\n") ==
+          "test.yaml:6:18: n.threshold: expected a value in m, got 'inf' (values are finite numbers)");
     CHECK(one.read("      threshold: {a: 1}\n") == "test.yaml:6:18: n.threshold: expected a value in m, got a map");
-    CHECK(one.read("      threshold:\n") == "test.yaml:6:7: n.threshold: has no value");
+    CHECK(one.read("      threshold:\n") ==
+          "test.yaml:6:7: n.threshold: has no value; give one, or leave the key out for the default");
 }
 
 TEST_CASE("Unknown and missing parameters are named with what there is", "[graph][parameters]") {
@@ -279,9 +281,8 @@ TEST_CASE("A plugin whose defaults or units make no sense is named", "[graph][pa
           "test.yaml:4:10: plugin sink.one declares a default that does not fit: rate: expected a value in 1/s, got '3 "
           "m' (m is a "
           "length)\n"
-          "test.yaml:4:10: plugin sink.one declares a default that does not fit: list: this is not YAML: end of "
-          "sequence flow not "
-          "found\n"
+          "test.yaml:4:10: plugin sink.one declares a default that does not fit: list: this is not YAML: this '[' "
+          "is not closed\n"
           "test.yaml:4:10: plugin sink.one declares a default that does not fit: size: the plugin declares a wrong "
           "unit: there is no "
           "unit 'furlong'\n"

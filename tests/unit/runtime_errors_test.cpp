@@ -70,9 +70,8 @@ TEST_CASE("any other failure ends the run in one line with node, plugin, call, p
                                           : PLR_OK;
     });
     Runtime runtime(pipeline.graph.wiring());
-    CHECK(
-        error_of(runtime) ==
-        "node tracker (tracker.fake), receive scans at 2 s: estimator.noise: not positive definite (item 3)");
+    CHECK(error_of(runtime) ==
+          "node tracker (tracker.fake), receive scans at 2 s: estimator.noise: not positive definite (item 3)");
     CHECK(pipeline.log == Lines{"tracker 0 0 0 0", "tracker 0 1 1 1", "tracker 0 2 2 2"});
     CHECK(pipeline.file->finished);
     CHECK_FALSE(pipeline.tracker->finished);
@@ -91,8 +90,8 @@ TEST_CASE("an exception that escapes from a plugin ends the run in an orderly wa
         throw std::runtime_error("bad cast");
     });
     Runtime runtime(pipeline.graph.wiring());
-    CHECK_THAT(error_of(runtime), Catch::StartsWith("node tracker (tracker.fake), receive scans at 0 s: ") &&
-                                      Catch::Contains("bad cast"));
+    CHECK_THAT(error_of(runtime),
+               Catch::StartsWith("node tracker (tracker.fake), receive scans at 0 s: ") && Catch::Contains("bad cast"));
     CHECK(pipeline.file->finished);
 }
 
@@ -102,10 +101,9 @@ TEST_CASE("after a failure sinks are finished, and what fails then is told too",
     });
     pipeline.file->at_finish = [](Recorder&, const plr_call& call) { return fail(call, PLR_E_IO, "disk full"); };
     Runtime runtime(pipeline.graph.wiring());
-    CHECK(
-        error_of(runtime) ==
-        "node tracker (tracker.fake), receive scans at 0 s: diverged; then node file (sink.fake), finish at "
-        "0 s: disk full");
+    CHECK(error_of(runtime) ==
+          "node tracker (tracker.fake), receive scans at 0 s: diverged; then node file (sink.fake), finish at "
+          "0 s: disk full");
 }
 
 TEST_CASE("a failing finish of one stage leaves the sinks behind it finished", "[runtime]") {
@@ -163,8 +161,7 @@ TEST_CASE("publishing is refused where the contract says so, and a stage that go
     }
     Pipeline pipeline(reaction);
     Runtime runtime(pipeline.graph.wiring());
-    CHECK_THAT(error_of(runtime),
-               Catch::StartsWith("node tracker (tracker.fake), receive scans at 0 s: " + expected));
+    CHECK_THAT(error_of(runtime), Catch::StartsWith("node tracker (tracker.fake), receive scans at 0 s: " + expected));
     CHECK(answer == PLR_E_ARGUMENT);
     CHECK(pipeline.file->lines == Lines{"file finish"});
 }
@@ -247,8 +244,7 @@ TEST_CASE("a source that answers nonsense about what comes next is named", "[run
     Graph graph;
     graph.add("radar", "source", std::make_shared<Nonsense>());
     Runtime runtime(graph.wiring());
-    CHECK_THAT(error_of(runtime),
-               Catch::StartsWith("node radar (source.fake), next at 0 s: answered 17, expected"));
+    CHECK_THAT(error_of(runtime), Catch::StartsWith("node radar (source.fake), next at 0 s: answered 17, expected"));
 }
 
 TEST_CASE("a table that lacks a function which its place needs is refused before the run", "[runtime]") {

@@ -234,7 +234,8 @@ TEST_CASE("a snapshot of another graph is refused by name and nothing is changed
               "seed");
     }
     SECTION("other parameters, of a config as a graph tells them") {
-        const char* const before = R"({"seed": 7, "config": {"graph": {"ticks": {"use": "a", "with": {"period": 2.0}}}}})";
+        const char* const before =
+            R"({"seed": 7, "config": {"graph": {"ticks": {"use": "a", "with": {"period": 2.0}}}}})";
         world.graph.editable().parameters = before;
         const Bytes taken = Runtime(world.graph.wiring()).snapshot();
         World again;

@@ -71,8 +71,9 @@ TEST_CASE("A wrong dimension is refused with what it is", "[units]") {
 }
 
 TEST_CASE("What is not a quantity is refused", "[units]") {
-    CHECK_THROWS_MATCHES(parse_quantity("fast", "m/s"), UnitError, Message("expected a value in m/s, got 'fast'"));
-    CHECK_THROWS_MATCHES(parse_quantity("", "m"), UnitError, Message("expected a value in m, got ''"));
+    CHECK_THROWS_MATCHES(parse_quantity("fast", "m/s"), UnitError,
+                         Message("expected a value in m/s, got 'fast' (it does not begin with a number)"));
+    CHECK_THROWS_MATCHES(parse_quantity("", "m"), UnitError, Message("expected a value in m, got '' (it is empty)"));
     CHECK_THROWS_MATCHES(parse_quantity("3 metres", "m"), UnitError,
                          Message("expected a value in m, got '3 metres' (there is no unit 'metres')"));
     CHECK_THROWS_MATCHES(parse_quantity("3 mi", "s"), UnitError,
