@@ -32,7 +32,11 @@ std::string near_file(const fs::path& file) {
         names.push_back(it->path().filename().string());
     if (names.empty() && !fs::is_directory(folder, error)) return "; there is no folder " + folder.string() + " either";
     std::sort(names.begin(), names.end());
-    std::string near = nearest(file.filename().string(), names);
+    std::vector<std::string> stems;  // the ending, which all configs share, makes no name near
+    for (const std::string& name : names)
+        if (fs::path(name).extension() == file.extension()) stems.push_back(fs::path(name).stem().string());
+    std::string near = nearest(file.stem().string(), stems);
+    if (!near.empty()) near += file.extension().string();
     for (const std::string& name : names)
         if (near.empty() && fs::path(name).stem() == file.filename()) near = name;
     return near.empty() ? "" : "; did you mean '" + (file.parent_path() / near).string() + "'?";

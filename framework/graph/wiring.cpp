@@ -73,6 +73,8 @@ private:
             }
         }
         if (ports.empty()) return std::string("; no node publishes ") + host::message_kind_name(wanted.message);
+        constexpr std::size_t few = 6;
+        if (ports.size() > few) return {};
         return std::string("; ") + host::message_kind_name(wanted.message) + " comes from " + join(ports);
     }
 

@@ -121,8 +121,7 @@ TEST_CASE("Unknown and missing parameters are named with what there is", "[graph
     one.plugin.parameter("rate", PLR_TYPE_DOUBLE).initially("1");
     CHECK(one.read("      nosie: 1 m\n      colour: red\n") ==
           "test.yaml:6:7: n: sink.one has no parameter 'nosie'; did you mean 'noise'? parameters: noise, rate\n"
-          "test.yaml:7:7: n: sink.one has no parameter 'colour'; parameters: noise, rate\n"
-          "test.yaml:4:10: n: parameter 'noise' is required (standard deviation of a position)");
+          "test.yaml:7:7: n: sink.one has no parameter 'colour'; parameters: noise, rate");
 }
 
 TEST_CASE("A whole number may have a unit", "[graph][parameters]") {

@@ -70,7 +70,7 @@ TEST_CASE("what is in the way of a result is told in one line, and nothing is le
     }
     SECTION("a file in place of a folder above it") {
         std::ofstream(blocked) << "mine";
-        CHECK_THROWS_WITH(report::prepare_folder(blocked / "airship"), Catch::Contains("Not a directory"));
+        CHECK_THROWS_WITH(report::prepare_folder(blocked / "airship"), Catch::Contains("results is a file; move it"));
     }
     SECTION("a folder in place of a file") {
         fs::create_directories(blocked / "summary.json");
