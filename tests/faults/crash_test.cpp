@@ -40,7 +40,7 @@ TEST_CASE("crash: a motion that ends the process leaves a line with node, call, 
     config.motion = zoo_part("motion", one.fault, "propagate");
     const Ended ended = crash(folder, config);
     CHECK(ended.exit == 1);
-    CHECK(ended.err == "pelorus: node tracker (tracker.point_target), receive scans at 1.000000000 s: crashed (" +
+    CHECK(ended.err == "pelorus: node tracker (tracker.point_target), receive scans at 1 s: crashed (" +
                            std::string(one.told) +
                            ") in propagate of tracker.estimator.motion (org.example.motion.zoo); incomplete files in " +
                            folder / "out" + ": truth.csv.part\n");
@@ -56,7 +56,7 @@ TEST_CASE("crash: a stage that ends the process is named with its call") {
     const Ended ended = crash(folder, config);
     CHECK(ended.exit == 1);
     CHECK(first_line(ended.err) ==
-          "pelorus: node zoo (org.example.analyzer.zoo), receive scans at 0.000000000 s: crashed (SIGABRT) in "
+          "pelorus: node zoo (org.example.analyzer.zoo), receive scans at 0 s: crashed (SIGABRT) in "
           "org.example.analyzer.zoo; "
           "incomplete files in " +
               folder / "out" + ": truth.csv.part");

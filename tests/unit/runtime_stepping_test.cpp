@@ -115,7 +115,7 @@ TEST_CASE("a late message is refused, dropped or kept, and counted", "[stepping]
     for (Fed* fed : {&refuse, &drop, &keep}) fed->runtime->advance(2 * second);
     CHECK_THROWS_AS(refuse.push(70, second), LateMessage);
     CHECK(refusal([&] { refuse.push(70, second); }) ==
-          "radar.scans: the message arrives at 1.000000000 s, but the graph has come to 2.000000000 s");
+          "radar.scans: the message arrives at 1 s, but the graph has come to 2 s");
     CHECK(refuse.counter("late_refused") == 2);
     CHECK(drop.push(70, second) == Delivery::dropped);
     CHECK(drop.counter("late_dropped") == 1);
