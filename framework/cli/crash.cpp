@@ -54,6 +54,9 @@ public:
         char fraction[11] = ".000000000";
         std::uint64_t rest = size % 1'000'000'000u;
         for (std::size_t at = 9; at > 0; --at, rest /= 10) fraction[at] = static_cast<char>('0' + rest % 10);
+        std::size_t end = 10;  // no zeros at the end, and no bare point
+        while (end > 1 && fraction[end - 1] == '0') --end;
+        fraction[end > 1 ? end : 0] = '\0';
         return *this << (time < 0 ? "-" : "") << size / 1'000'000'000u << fraction << " s";
     }
     void write() noexcept {

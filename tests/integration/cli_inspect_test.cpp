@@ -206,6 +206,6 @@ TEST_CASE("inspect: what does not go together is refused") {
     refused({"inspect", "motion.singer", "--set", "a.b=1"}, "--set is for configs");
     refused({"inspect", config.file, "--dot", "--json"}, "--dot and --json do not go together");
     refused({"inspect", "motion.singr"}, "did you mean motion.singer?");
-    refused({"inspect", "nowhere.yaml"}, "nowhere.yaml: No such file");
+    refused({"inspect", "nowhere.yaml"}, "nowhere.yaml: there is no such file");
     refused({"inspect", config.file, "--set", "world.scans=0"}, "world.scans: must be at least 1");
 }

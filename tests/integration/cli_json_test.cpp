@@ -37,7 +37,7 @@ TEST_CASE("check --json tells nodes, edges and plugins") {
 TEST_CASE("check --json tells every problem with its place") {
     const TemporaryFolder folder;
     const std::string file =
-        folder.write("wrong.yaml", "pelorus: 1\ntitel: x\ngraph:\n  world: {use: source.simulaton}\n");
+        folder.write("wrong.yaml", "pelorus: 1\ntitel: x\ngraph:\n  world: {use: sorce.nothing}\n");
     const Json json = json_of({"check", file, "--json"}, 2);
     CHECK(json["exit"] == 2);
     REQUIRE(json["problems"].size() == 2);

@@ -49,7 +49,7 @@ void UdpSource::describe_socket(pelorus::Describe<UdpSource>& plugin) {
         .max(65535)
         .doc("UDP port to listen on; 0: the system chooses, the log tells");
     plugin.parameter("address", &UdpSource::address_)
-        .doc("address of this machine to listen on, in numbers; 127.0.0.1 unless given, 0.0.0.0 or :: for all");
+        .doc("address of this machine to listen on, in numbers: 0.0.0.0 or :: for all; 127.0.0.1 if absent");
     plugin.parameter("multicast", &UdpSource::multicast_).doc("group to join instead, in numbers: 239.0.0.1, ff02::1");
     plugin.parameter("interface", &UdpSource::interface_)
         .doc("network interface on which the group is joined, by name; absent: the system chooses");

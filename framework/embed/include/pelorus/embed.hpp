@@ -121,8 +121,9 @@ public:
     /// holds).
     void add(std::uint64_t id, const double* measurement, const double* covariance = nullptr) {
         const std::size_t m = stream_.space->size;
-        values_.insert(values_.end(), measurement, measurement + m);
-        if (covariance != nullptr) covariances_.insert(covariances_.end(), covariance, covariance + m * m);
+        // Not insert(): GCC 12 warns of it at -O3, wrongly, and an application may treat warnings as errors.
+        for (std::size_t i = 0; i < m; ++i) values_.push_back(measurement[i]);
+        for (std::size_t i = 0; covariance != nullptr && i < m * m; ++i) covariances_.push_back(covariance[i]);
         ids_.push_back(id);
     }
     /// Valid until the scan changes. Times in ns; without an arrival it arrives at its time.
