@@ -36,13 +36,14 @@ public:
         return part_.call(&plr_estimator::predict, call, args);
     }
     plr_status project(Call& call, std::int32_t sensor, const Batch& record, Batch& measurement, Batch& covariance,
-                       Batch& cross) const {
+                       Batch& cross, Batch* cartesian_cross = nullptr) const {
         auto args = pelorus::arguments<plr_estimator_project>();
         args.sensor = sensor;
         args.record = record.in();
         args.measurement = measurement.out();
         args.covariance = covariance.out();
         args.cross = cross.out();
+        if (cartesian_cross != nullptr) args.cartesian_cross = cartesian_cross->out();
         return part_.call(&plr_estimator::project, call, args);
     }
     /// What an update tells besides the new record.

@@ -69,8 +69,10 @@ private:
                 bool common, double* memory) const;
     plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_fully(const plr_call& call, const plr_estimator_predict& args) const;
-    void look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records, const Looks& out,
-              double* memory) const;
+    plr_const_view look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records,
+                        const Looks& out, double* memory) const;
+    void cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
+                            double* out) const;
     void wrap(double* mean) const noexcept;
     void mix_item(const plr_estimator_mix_args& args, std::int64_t item) const;
 

@@ -104,8 +104,9 @@ TEST_CASE("a filter whose state is not Cartesian starts from, looks at and tells
     CHECK((mean[0] - Eigen::Vector2d(3.0, 4.0)).norm() < 1e-14);
     CHECK((covariance[0] - given).norm() < 1e-14);  // there and back
 
-    Batch seen(2, 1), projected(2, 2), cross(3, 2);
-    REQUIRE(filter.project(call, 0, record, seen, projected, cross) == PLR_OK);
+    Batch seen(2, 1), projected(2, 2), cross(3, 2), cartesian_cross(2, 2);
+    REQUIRE(filter.project(call, 0, record, seen, projected, cross, &cartesian_cross) == PLR_OK);
+    CHECK((cartesian_cross[0] - given).norm() < 1e-14);  // the sensor sees the Cartesian position itself
     CHECK((seen[0] - mean[0]).norm() < 1e-14);
     CHECK((projected[0] - given).norm() < 1e-14);
 

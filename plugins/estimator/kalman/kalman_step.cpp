@@ -1,6 +1,8 @@
 // The filter's step: prediction, the look of a sensor, update, and the mixture of hypotheses.
 #include "kalman.hpp"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include <pelorus/sensor.hpp>
@@ -114,9 +116,9 @@ plr_status Kalman::predict_fully(const plr_call& call, const plr_estimator_predi
 // ------------------------------------------------------------------------------------------------ measurements
 
 /// What the sensor should see of a block of records, and how that depends on the state. `memory` holds
-/// block_size * look_doubles(sensor).
-void Kalman::look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records, const Looks& out,
-                  double* memory) const {
+/// block_size * look_doubles(sensor). Answers d Cartesian / d state, which lies in it; data NULL where they are the same.
+plr_const_view Kalman::look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records,
+                            const Looks& out, double* memory) const {
     const std::int64_t items = records.count, m = sensor.m, c = sensor.c;
     const plr_view seen = pelorus::view(memory, c, 1, items);
     const plr_view jacobian = pelorus::view(memory + block_size * c, m, c, items);
@@ -159,26 +161,43 @@ void Kalman::look(const plr_call& call, const SensorInSlot& sensor, const plr_co
             }
         }
     }
+    return as_const(convert.jacobian);
+}
+
+/// P H' of the state, n x m, in Cartesian components, c x m.
+void Kalman::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
+                                double* out) const {
+    if (state_is_cartesian_) {
+        std::copy_n(cross, n_ * m, out);
+        return;
+    }
+    using Convert = small::Bounded<max_state, max_state>;
+    using Cross = small::Bounded<max_state, max_measurement>;
+    small::multiply(Eigen::Map<const Convert>(at(jacobian, i), c_, n_), Eigen::Map<const Cross>(cross, n_, m),
+                    Eigen::Map<Cross>(out, c_, m));
 }
 
 plr_status Kalman::project(const plr_call& call, const plr_estimator_project& args) const {
     const SensorInSlot& by = sensor(args.sensor);
     const std::int64_t count = args.measurement.count;
-    const bool crossed = args.cross.data != nullptr;
+    const bool crossed = args.cross.data != nullptr, cartesian = args.cartesian_cross.data != nullptr;
     expect_packed(args.record, info.record_size, 1, count, "record");
     expect_packed(args.measurement, by.m, 1, count, "measurement");
     expect_packed(args.covariance, by.m, by.m, count, "covariance");
     if (crossed) expect_packed(args.cross, n_, by.m, count, "cross");
+    if (cartesian) expect_packed(args.cartesian_cross, c_, by.m, count, "cartesian_cross");
     const Scratch scratch(call, block_size * (by.m * n_ + look_doubles(by)));
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
         const Looks looks{slice(args.measurement, first, items), scratch.data()};
-        look(block, by, records, looks, scratch.data() + block_size * by.m * n_);
+        const plr_const_view to_cartesian = look(block, by, records, looks, scratch.data() + block_size * by.m * n_);
         return for_good_items(block, items, [&](std::int64_t i) {
             double* const projected = at(args.covariance, first + i);
+            std::array<double, max_state * max_measurement> unwanted;
+            double* const cross = crossed ? at(args.cross, first + i) : cartesian ? unwanted.data() : nullptr;
             by.kernels.project(static_cast<int>(n_), static_cast<int>(by.m), moments_of(at(records, i)).covariance,
-                               looks.jacobian + i * by.m * n_, projected,
-                               crossed ? at(args.cross, first + i) : nullptr);
+                               looks.jacobian + i * by.m * n_, projected, cross);
+            if (cartesian) cross_of_cartesian(to_cartesian, i, cross, by.m, at(args.cartesian_cross, first + i));
             if (!all_finite(projected, by.m * by.m)) require(Outcome::not_finite);
         });
     });

@@ -162,8 +162,9 @@ TEST_CASE("predict, project and update are the textbook's formulas, for every si
 
         MatrixXd h = MatrixXd::Zero(m, n);
         h.leftCols(m).setIdentity();
-        Batch seen(m, 1), projected(m, m), cross(n, m);
-        REQUIRE(filter.project(call, 0, record, seen, projected, cross) == PLR_OK);
+        Batch seen(m, 1), projected(m, m), cross(n, m), cartesian_cross(n, m);
+        REQUIRE(filter.project(call, 0, record, seen, projected, cross, &cartesian_cross) == PLR_OK);
+        CHECK(cartesian_cross[0] == cross[0]);
         CHECK(relative(seen[0], h * xp - VectorXd::Constant(m, 5.0)) < 1e-14);
         CHECK(relative(projected[0], h * pp * h.transpose()) < 1e-14);
         CHECK(relative(cross[0], pp * h.transpose()) < 1e-14);
