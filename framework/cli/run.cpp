@@ -153,6 +153,7 @@ nlohmann::ordered_json result_json(const CommandLine& line, const Request& reque
 
 int run(const CommandLine& line) {
     const Request request = read_request(line);
+    Interrupt interrupt;  // from here on: a graph may take its time to be made
     host::Catalog catalog(plugin_folders(line));
     const graph::Document document = load_document(line);
     graph::BuildOptions build;
@@ -166,7 +167,6 @@ int run(const CommandLine& line) {
     remove_old_results(request.out);
 
     const CrashFolder crash_folder(request.out);
-    Interrupt interrupt;
     const Ending ending = run_to_end(runtime, request, interrupt);
     const report::Timings timings = report::timings_of(graph, runtime, ending.seconds);
     report::RunContext context;

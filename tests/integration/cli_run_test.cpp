@@ -197,7 +197,7 @@ TEST_CASE("SIGINT and SIGTERM end a run in an orderly way and keep what is there
     for (const int signal : {SIGINT, SIGTERM}) {
         const Bench bench;
         Process process({PELORUS_EXECUTABLE, "run", bench.config, "--out", bench.folder / "out", "--set",
-                         "world.scans=100000000", "--set", "errors=~"});
+                         "world.scans=10000000", "--set", "errors=~"});
         while (!bench.folder.has("out") && process.running())
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
