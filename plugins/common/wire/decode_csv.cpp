@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -206,7 +207,8 @@ void decode_csv(std::string_view bytes, const Vocabulary& vocabulary, Datagram& 
     }
     if (first) throw BadFrame("has a header and no row");
     // An end needs no components: columns of scans may stand there unused.
-    if (into.frames.front().kind == Kind::scan) rows->refuse_unknown();
+    const auto is_scan = [](const Frame& frame) { return frame.kind == Kind::scan; };
+    if (std::any_of(into.frames.begin(), into.frames.end(), is_scan)) rows->refuse_unknown();
 }
 
 }  // namespace wire

@@ -174,6 +174,7 @@ void read_scan(Reader& reader, const Vocabulary& vocabulary, Frame& frame) {
     if (const json* common = reader.find("covariance")) {
         if (!frame.covariances.empty()) throw BadFrame("covariances and covariance are both given");
         matrix(*common, size, "covariance", frame.covariances);
+        frame.common = true;
     }
     column(reader, "snr", frame.rows(),
            [&](const json& v, const std::string& at) { frame.snr.push_back(number(v, at)); });

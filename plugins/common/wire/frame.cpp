@@ -26,14 +26,19 @@ std::size_t Frame::bytes() const noexcept {
                 parents.size() + births.size() + extents.size());
 }
 
+std::size_t Datagram::bytes() const noexcept {
+    std::size_t sum = sizeof(Datagram) + sender.size();
+    for (const Frame& frame : frames) sum += frame.bytes();
+    return sum;
+}
+
 bool append(Frame& whole, const Frame& part) {
     const std::size_t before = whole.rows(), added = part.rows();
     const bool next = part.kind == whole.kind && part.part[1] == whole.part[1] && part.part[0] == whole.part[0] + 1 &&
                       part.time == whole.time && part.arrival == whole.arrival && part.sensor == whole.sensor &&
                       part.width == whole.width && part.waveform == whole.waveform &&
-                      part.extent_dimension == whole.extent_dimension;
-    const bool common = part.common_covariance() || whole.common_covariance();
-    if (!next || (common && part.covariances != whole.covariances) ||
+                      part.extent_dimension == whole.extent_dimension && part.common == whole.common;
+    if (!next || (whole.common && part.covariances != whole.covariances) ||
         !agree(whole.covariances, before, part.covariances, added) || !agree(whole.ids, before, part.ids, added) ||
         !agree(whole.times, before, part.times, added) || !agree(whole.snr, before, part.snr, added) ||
         !agree(whole.parents, before, part.parents, added) || !agree(whole.births, before, part.births, added) ||
@@ -41,7 +46,7 @@ bool append(Frame& whole, const Frame& part) {
         return false;
     whole.part[0] = part.part[0];
     extend(whole.values, part.values);
-    if (!common) extend(whole.covariances, part.covariances);
+    if (!whole.common) extend(whole.covariances, part.covariances);
     extend(whole.ids, part.ids);
     extend(whole.times, part.times);
     extend(whole.snr, part.snr);

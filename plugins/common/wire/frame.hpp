@@ -26,6 +26,7 @@ struct Frame {
     std::uint64_t width = 0;          ///< components of a row
     std::vector<double> values;       ///< rows x width
     std::vector<double> covariances;  ///< rows x width x width, or one for all rows, or none
+    bool common = false;              ///< one covariance was given for all rows; of one row alone, no size tells
     std::vector<std::uint64_t> ids;   ///< one a row, or none (of scans)
     std::vector<std::int64_t> times;  ///< ns, one a row, or none
     std::vector<double> snr;          ///< one a row, or none
@@ -37,13 +38,13 @@ struct Frame {
     std::vector<std::vector<std::uint64_t>> measurements;  ///< of truth: one list a row, or none
 
     std::size_t rows() const noexcept { return width == 0 ? 0 : values.size() / static_cast<std::size_t>(width); }
-    bool common_covariance() const noexcept { return covariances.size() == width * width && rows() != 1; }
-    /// Memory that the rows take, about.
+    bool common_covariance() const noexcept { return common; }
+    /// Memory that the frame takes, without the room that its lists have to spare.
     std::size_t bytes() const noexcept;
 
     template <class Archive> void state(Archive& archive) {
-        archive(kind, time, arrival, part, sensor, width, values, covariances, ids, times, snr, waveform, parents,
-                births, extents, extent_dimension, measurements);
+        archive(kind, time, arrival, part, sensor, width, values, covariances, common, ids, times, snr, waveform,
+                parents, births, extents, extent_dimension, measurements);
     }
 };
 
@@ -53,6 +54,8 @@ struct Datagram {
     std::uint64_t session = 0;
     std::optional<std::uint64_t> sequence;
     std::vector<Frame> frames;
+
+    std::size_t bytes() const noexcept;
 
     template <class Archive> void state(Archive& archive) { archive(sender, session, sequence, frames); }
 };

@@ -83,6 +83,7 @@ TEST_CASE("A broken JSON frame is told by line, key and what was expected", "[wi
 TEST_CASE("A broken CSV frame is told by line, column and what was expected", "[wire]") {
     const std::string head = "pelorus,time,sensor,range,azimuth\n";
     CHECK(problem_of(head + "1,0,radar,1,2\n") == "good");
+    CHECK(problem_of("pelorus,kind,range,azimuth\n1,end,,\n") == "good");
     const std::vector<std::pair<std::string, std::string>> cases{
         {"hello", "line 1: begins with neither { nor the column pelorus, but with 'hello'"},
         {"pelorus,pelorus\n1,1\n", "line 1: has the column 'pelorus' twice"},
@@ -98,6 +99,8 @@ TEST_CASE("A broken CSV frame is told by line, column and what was expected", "[
         {head + "1,0,\"radar,1,2\n", "line 2: has a quote that is not closed"},
         {head + "1,0,\"radar\"x,1,2\n", "line 2: has text behind a closing quote"},
         {"pelorus,time,sensor,range,azimuth,rnage\n1,0,radar,1,2,3\n", "column 'rnage' is unknown"},
+        {"pelorus,kind,time,sensor,range,azimuth,rnage\n1,end,,,,,\n1,scan,0,radar,1,2,3\n",
+         "column 'rnage' is unknown"},
         {"pelorus,time,sensor,range,azimuth,id\n1,0,radar,1,2,3\n1,0,radar,1,2,\n",
          "line 3: id, measured, snr and covariance must be given for all measurements of a scan or for none"},
         {"pelorus,time,sensor,range,azimuth,deviation.range\n1,0,radar,1,2,3\n",

@@ -136,6 +136,25 @@ TEST_CASE("Covariances come out of the wire as they went in, each or common", "[
     CHECK(same_bits(frame.covariances, std::vector<double>(each, each + 8)));
 }
 
+TEST_CASE("A common covariance stays common in parts of one row and of more", "[wire]") {
+    std::optional<Frame> frame;
+    const std::string measurements[] = {"[[1,0]]", "[[2,0]]", "[[3,0],[4,0]]"};
+    for (int i = 0; i < 3; ++i) {
+        const std::string number = std::to_string(i + 1);
+        const wire::Datagram part = decoded(
+            "{\"pelorus\":1,\"kind\":\"scan\",\"sequence\":" + number + ",\"time\":0,\"sensor\":\"radar\",\"part\":[" +
+            number + ",3],\"covariance\":[[4,1],[1,9]],\"measurements\":" + measurements[i] + "}");
+        REQUIRE(part.frames.at(0).common_covariance());
+        if (!frame)
+            frame = part.frames[0];
+        else
+            REQUIRE(append(*frame, part.frames[0]));
+    }
+    CHECK(frame->rows() == 4);
+    CHECK(frame->common_covariance());
+    CHECK(frame->covariances == std::vector<double>{4, 1, 1, 9});
+}
+
 TEST_CASE("Truth comes out of the wire as it went in", "[wire]") {
     pelorus::TruthBuilder truth("", pelorus::kinematic_space(1, {0.0, 0.0}), 1);
     for (std::uint64_t id = 1; id < 40; ++id) {
@@ -244,4 +263,9 @@ TEST_CASE("Parts that do not belong together are not put together", "[wire]") {
     CHECK(refused([](Frame& f) { f.ids.clear(); }));
     CHECK(refused([](Frame& f) { f.snr = {1}; }));
     CHECK(refused([](Frame& f) { f.covariances = {1}; }));
+    one.covariances = {1}, two.covariances = {1};
+    CHECK(refused([](Frame& f) { f.common = true; }));
+    one.common = two.common = true;
+    CHECK_FALSE(refused([](Frame&) {}));
+    CHECK(refused([](Frame& f) { f.covariances = {2}; }));
 }

@@ -157,7 +157,8 @@ void UdpSink::send(const std::string& datagram) {
 void UdpSink::wait_for(std::int64_t arrival) {
     if (!start_) start_ = Start{arrival, monotonic_now()};
     if (hurried_) return;
-    const double since = static_cast<double>(arrival - start_->arrival) / pace_;
+    // Times reach to 2^62 on both sides: their difference is more than an integer holds.
+    const double since = (static_cast<double>(arrival) - static_cast<double>(start_->arrival)) / pace_;
     if (!(since > 0) || since > 9e18) return;
     const std::int64_t until = start_->clock + static_cast<std::int64_t>(since);
     const timespec deadline{until / second, until % second};

@@ -30,10 +30,16 @@ public:
             throw std::runtime_error("no socket");
         port_ = ntohs(at.sin_port);
     }
-    ~Listener() { stop(); }
-    void stop() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-        descriptor_ = -1;
+    ~Listener() { ::close(descriptor_); }
+    Listener(const Listener&) = delete;
+    Listener& operator=(const Listener&) = delete;
+    /// Takes from now on what comes from itself alone: the system answers all else as if nobody listened, and gives the
+    /// port to nobody.
+    void turn_away() const {
+        sockaddr_in self{};
+        socklen_t size = sizeof self;
+        REQUIRE(::getsockname(descriptor_, reinterpret_cast<sockaddr*>(&self), &size) == 0);
+        REQUIRE(::connect(descriptor_, reinterpret_cast<const sockaddr*>(&self), size) == 0);
     }
     std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
     std::string next() const {
@@ -140,8 +146,8 @@ TEST_CASE("sink.udp writes CSV where it shall, of scans only", "[sink.udp]") {
 }
 
 TEST_CASE("sink.udp goes on where nobody listens, says so once and counts", "[sink.udp]") {
-    Listener gone;
-    gone.stop();
+    const Listener gone;
+    gone.turn_away();
     Bench bench;
     const auto stage = sink(bench, gone.address(), ", send_errors: stop");
     pelorus::ScanBuilder scan("radar", "", pelorus::position_space(1));
@@ -154,13 +160,25 @@ TEST_CASE("sink.udp goes on where nobody listens, says so once and counts", "[si
     CHECK(said == 1);
 }
 
+TEST_CASE("sink.udp sends at once what would be due in centuries", "[sink.udp]") {
+    const Listener listener;
+    Bench bench;
+    const auto stage = sink(bench, listener.address(), ", pace: 1");
+    constexpr std::int64_t farthest = std::int64_t{1} << 62;
+    pelorus::ScanBuilder scan("radar", "", pelorus::position_space(1));
+    stage->receive(scans, scan.message(0), -farthest);
+    stage->receive(scans, scan.message(0), farthest);
+    CHECK(bench.counters["datagrams"] == 2);
+}
+
 TEST_CASE("sink.udp ends or goes on when the system does not send", "[sink.udp]") {
-    // A broadcast address is refused by the system unless a socket asks for it.
     pelorus::ScanBuilder scan("radar", "", pelorus::position_space(1));
     Bench bench;
-    const auto strict = sink(bench, "nosuchhost.invalid:1");
+    // A name with an empty label is none: nobody is asked for it.
+    const auto strict = sink(bench, "host..invalid:1");
     CHECK_THROWS_WITH(strict->receive(scans, scan.message(0)),
-                      Catch::StartsWith("parameter destination: cannot find host nosuchhost.invalid: "));
+                      Catch::StartsWith("parameter destination: cannot find host host..invalid: "));
+    // A broadcast address is refused by the system unless a socket asks for it.
     const auto broadcast = sink(bench, "255.255.255.255:9");
     CHECK_THROWS_WITH(broadcast->receive(scans, scan.message(0)),
                       Catch::StartsWith("parameter destination: cannot send to 255.255.255.255, UDP port 9: "));

@@ -107,7 +107,9 @@ void UdpSource::describe_limits(pelorus::Describe<UdpSource>& plugin) {
     plugin.parameter("maximum_pending", &UdpSource::maximum_pending_)
         .initially("67108864")
         .min(65536)
-        .doc("bytes of frames that wait to be published; beyond, datagrams wait in the system's receive buffer");
+        .doc(
+            "bytes of frames that wait to be published; beyond, datagrams wait in the system's receive buffer. And, by "
+            "themselves, bytes of what waits for missing datagrams and parts; beyond, those are given up");
 }
 
 }  // namespace source_udp

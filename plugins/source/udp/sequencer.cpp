@@ -1,6 +1,7 @@
 #include "sequencer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <pelorus/failure.hpp>
 
@@ -39,6 +40,11 @@ bool remove(std::map<std::uint64_t, std::uint64_t>& ranges, std::uint64_t number
     return true;
 }
 
+/// The oldest are forgotten: what comes of them is a duplicate then.
+void keep_newest(std::map<std::uint64_t, std::uint64_t>& ranges) {
+    while (ranges.size() > most_ranges) ranges.erase(ranges.begin());
+}
+
 }  // namespace
 
 wire::Frame Sequencer::take() {
@@ -57,6 +63,7 @@ Sequencer::Flow* Sequencer::flow_of(const Key& key) {
         for (auto at = flows_.begin(); at != flows_.end(); ++at)
             if (at->second.ended && (oldest == flows_.end() || at->second.heard < oldest->second.heard)) oldest = at;
         if (oldest == flows_.end()) return nullptr;
+        waiting_bytes_ -= oldest->second.bytes();
         flows_.erase(oldest);
     }
     return &flows_[key];
@@ -71,7 +78,37 @@ bool Sequencer::push(wire::Datagram datagram, std::int64_t now) {
         order(key, *flow, std::move(datagram), now);
     else
         release(key, *flow, datagram, false);
+    make_room();
     return true;
+}
+
+/// Who has most waiting gives up first, so that one sender cannot make the others lose.
+void Sequencer::make_room() {
+    while (waiting_bytes_ > settings_.maximum_waiting) {
+        auto& [key, flow] = *std::max_element(flows_.begin(), flows_.end(), [](const auto& a, const auto& b) {
+            return a.second.bytes() < b.second.bytes();
+        });
+        if (flow.held.empty())
+            incomplete(key, flow, " before too much was waiting (maximum_pending)");
+        else
+            give_up_next(key, flow);
+    }
+}
+
+bool Sequencer::hold(Flow& flow, std::uint64_t sequence, wire::Datagram datagram) {
+    const auto [held, added] = flow.held.try_emplace(sequence, std::move(datagram));
+    if (!added) return false;
+    const std::size_t bytes = held->second.bytes();
+    flow.held_bytes += bytes, waiting_bytes_ += bytes;
+    return true;
+}
+
+wire::Datagram Sequencer::take_held(Flow& flow) {
+    wire::Datagram datagram = std::move(flow.held.begin()->second);
+    flow.held.erase(flow.held.begin());
+    const std::size_t bytes = datagram.bytes();
+    flow.held_bytes -= bytes, waiting_bytes_ -= bytes;
+    return datagram;
 }
 
 void Sequencer::order(const Key& key, Flow& flow, wire::Datagram datagram, std::int64_t now) {
@@ -85,8 +122,7 @@ void Sequencer::order(const Key& key, Flow& flow, wire::Datagram datagram, std::
     }
     if (sequence < *flow.next) return past(key, flow, datagram, sequence);
     if (sequence > *flow.next) {
-        if (!flow.held.try_emplace(sequence, std::move(datagram)).second)
-            return duplicate(key, sequence, "; one of them is left out");
+        if (!hold(flow, sequence, std::move(datagram))) return duplicate(key, sequence, "; one of them is left out");
         if (!flow.waiting_since) flow.waiting_since = now;
         while (flow.held.size() > settings_.reorder_datagrams) give_up_next(key, flow);
         return;
@@ -105,6 +141,7 @@ void Sequencer::past(const Key& key, Flow& flow, const wire::Datagram& datagram,
         if (settings_.duplicates == Duplicates::keep) release(key, flow, datagram, true);
         return;
     }
+    keep_newest(flow.given_up);  // taking one out of a range makes two of it
     --counts_.lost;
     ++counts_.late;
     if (settings_.late == Late::stop)
@@ -126,7 +163,7 @@ void Sequencer::give_up_next(const Key& key, Flow& flow) {
     if (settings_.lost == Lost::stop) throw pelorus::DataError(text + " (lost: count would go on)");
     warn_(text);
     flow.given_up[first] = last;
-    if (flow.given_up.size() > most_ranges) flow.given_up.erase(flow.given_up.begin());
+    keep_newest(flow.given_up);
     flow.next = last + 1;
     advance(key, flow);
 }
@@ -135,9 +172,7 @@ void Sequencer::give_up_next(const Key& key, Flow& flow) {
 void Sequencer::advance(const Key& key, Flow& flow) {
     if (flow.held.empty() || flow.held.begin()->first != *flow.next) return;
     while (!flow.held.empty() && flow.held.begin()->first == *flow.next) {
-        const wire::Datagram datagram = std::move(flow.held.begin()->second);
-        flow.held.erase(flow.held.begin());
-        release(key, flow, datagram, false);
+        release(key, flow, take_held(flow), false);
         ++*flow.next;
     }
     flow.waiting_since.reset();  // what still waits, waits for another one: its time begins at the next look
@@ -184,12 +219,14 @@ void Sequencer::release(const Key& key, Flow& flow, const wire::Frame& frame, bo
 }
 
 void Sequencer::put_together(const Key& key, Flow& flow, const wire::Frame& part) {
-    const bool fits = flow.whole && flow.whole->rows() + part.rows() <= settings_.maximum_measurements;
+    const std::size_t bytes = part.bytes();
+    const bool fits = flow.whole && flow.whole->rows() + part.rows() <= settings_.maximum_measurements &&
+                      flow.whole_bytes + bytes <= settings_.maximum_waiting;
     if (part.part[0] == 1) {
         incomplete(key, flow);
         flow.whole = part;
     } else if (!fits || !append(*flow.whole, part)) {
-        flow.whole.reset();
+        forget_whole(flow);
         if (flow.broken == part.time) return;  // said and counted once a frame
         flow.broken = part.time;
         ++counts_.incomplete;
@@ -197,21 +234,28 @@ void Sequencer::put_together(const Key& key, Flow& flow, const wire::Frame& part
               std::to_string(part.part[1]) + " parts; it is left out");
         return;
     }
+    const std::size_t added = bytes - (part.part[0] == 1 ? 0 : sizeof part);
+    flow.whole_bytes += added, waiting_bytes_ += added;
     if (flow.whole->part[0] != flow.whole->part[1]) return;
     wire::Frame whole = std::move(*flow.whole);
-    flow.whole.reset();
+    forget_whole(flow);
     enqueue(key, std::move(whole), false);
 }
 
+void Sequencer::forget_whole(Flow& flow) {
+    flow.whole.reset();
+    waiting_bytes_ -= std::exchange(flow.whole_bytes, 0);
+}
+
 /// Parts whose others have not come before something else did.
-void Sequencer::incomplete(const Key& key, Flow& flow) {
+void Sequencer::incomplete(const Key& key, Flow& flow, const char* before) {
     if (!flow.whole) return;
     ++counts_.incomplete;
     warn_(name_of(key) + ": of the frame at " + seconds_text(flow.whole->time) + " only " +
-          std::to_string(flow.whole->part[0]) + " of " + std::to_string(flow.whole->part[1]) +
-          " parts came; it is left out");
+          std::to_string(flow.whole->part[0]) + " of " + std::to_string(flow.whole->part[1]) + " parts came" + before +
+          "; it is left out");
     flow.broken = flow.whole->time;
-    flow.whole.reset();
+    forget_whole(flow);
 }
 
 void Sequencer::enqueue(const Key& key, wire::Frame frame, bool known_late) {

@@ -53,6 +53,7 @@ OrderSettings settings() {
     s.reorder_datagrams = 3;
     s.maximum_senders = 2;
     s.maximum_measurements = 4;
+    s.maximum_waiting = 1 << 20;
     return s;
 }
 
@@ -185,6 +186,76 @@ TEST_CASE("A frame of more measurements than allowed is never held in memory", "
     CHECK(o.sequencer.counts().incomplete == 1);
 }
 
+TEST_CASE("Frames that are short on the wire are held back only as far as memory goes", "[source.udp]") {
+    OrderSettings s = settings();
+    s.reorder_datagrams = 64;
+    s.maximum_senders = 16;
+    Ordered o(s);
+    wire::Frame end;
+    end.kind = wire::Kind::end;
+    for (std::uint64_t k = 0; k < 10; ++k)
+        for (int sender = 0; sender < 16; ++sender) {
+            o.sequencer.push({std::to_string(sender), 0, 2 * k + 2, std::vector<wire::Frame>(100, end)}, 0);
+            CHECK(o.sequencer.waiting_bytes() <= s.maximum_waiting);
+        }
+    CHECK(o.sequencer.waiting_bytes() > s.maximum_waiting / 2);
+    CHECK(o.sequencer.counts().lost > 0);
+    o.sequencer.flush();
+    CHECK(o.sequencer.counts().lost == 16 * 11);
+    CHECK(o.sequencer.waiting_bytes() == 0);
+}
+
+TEST_CASE("The lists of a truth in parts are put together only as far as memory goes", "[source.udp]") {
+    OrderSettings s = settings();
+    s.maximum_measurements = 100000;
+    Ordered o(s);
+    wire::Frame part;
+    part.kind = wire::Kind::truth;
+    part.width = 1;
+    part.values = {0};
+    part.measurements = {std::vector<std::uint64_t>(1000)};
+    for (std::uint64_t k = 0; k < 200; ++k) {
+        part.part = {k + 1, 200};
+        o.sequencer.push({"mast", 0, k, {part}}, 0);
+        CHECK(o.sequencer.waiting_bytes() <= s.maximum_waiting);
+    }
+    CHECK(o.sequencer.ready().empty());
+    CHECK(o.sequencer.counts().incomplete == 1);
+    CHECK(o.warnings.back() ==
+          "sender mast: the frame at 0.000 s cannot be put together from its 200 parts; it is left out");
+    CHECK(o.sequencer.waiting_bytes() == 0);
+}
+
+TEST_CASE("The sender that has most waiting gives up first", "[source.udp]") {
+    OrderSettings s = settings();
+    s.maximum_measurements = 100000;
+    Ordered o(s);
+    wire::Frame part;
+    part.width = 1;
+    part.part = {1, 2};
+    part.values.resize(100000);  // 0.8 MB
+    o.sequencer.push({"large", 0, 0, {part}}, 0);
+    part.values.resize(50000);
+    o.sequencer.push({"small", 0, 0, {part}}, 0);
+    CHECK(o.warnings == std::vector<std::string>{"sender large: of the frame at 0.000 s only 1 of 2 parts came before "
+                                                 "too much was waiting (maximum_pending); it is left out"});
+    part.part = {2, 2};
+    o.sequencer.push({"small", 0, 1, {part}}, 0);
+    REQUIRE(o.sequencer.ready().size() == 1);
+    CHECK(o.sequencer.ready().front().rows() == 100000);
+    CHECK(o.sequencer.counts().incomplete == 1);
+}
+
+TEST_CASE("Late datagrams that leave holes in a wide gap are told apart only as far as memory goes", "[source.udp]") {
+    Ordered o(settings());
+    o.push(0), o.push(100000);
+    o.sequencer.flush();
+    for (std::uint64_t k = 99998; k > 90000; k -= 2) o.push(k);
+    CHECK(o.sequencer.counts().late > 200);
+    CHECK(o.sequencer.counts().late < 300);
+    CHECK(o.sequencer.counts().late + o.sequencer.counts().duplicate == 4999);
+}
+
 TEST_CASE("Senders and their sessions have numbers of their own; a sender that has long been sending is joined",
           "[source.udp]") {
     Ordered o(settings());
@@ -235,6 +306,7 @@ TEST_CASE("A saved order goes on with what it held", "[source.udp]") {
     pelorus::StateReader reader(writer.bytes().data(), writer.bytes().size());
     after.sequencer.state(reader);
     CHECK(reader.left() == 0);
+    CHECK(after.sequencer.waiting_bytes() == before.sequencer.waiting_bytes());
     after.push(1, 1'000'000), after.sequencer.expire(1'000'000);
     CHECK(after.taken() == Values{0, 1, 2});
     after.sequencer.expire(1'000'100);

@@ -54,7 +54,8 @@ void UdpSource::setup(const pelorus::Setup& setup) {
     sequencer_ = std::make_unique<Sequencer>(
         OrderSettings{std::llround(reorder_seconds_ * 1e9), static_cast<std::size_t>(reorder_datagrams_),
                       static_cast<std::size_t>(maximum_senders_), static_cast<std::size_t>(maximum_measurements_),
-                      late_, lost_, duplicates_, arrival_ == Arrival::clock},
+                      static_cast<std::size_t>(maximum_pending_), late_, lost_, duplicates_,
+                      arrival_ == Arrival::clock},
         [this](const std::string& text) { warn(text); });
 }
 

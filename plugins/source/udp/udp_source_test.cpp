@@ -186,6 +186,20 @@ TEST_CASE("source.udp leaves datagrams in the socket while too much is pending",
     CHECK(r.bench.published.size() == 8);
 }
 
+TEST_CASE("source.udp holds datagrams back only as far as maximum_pending goes", "[source.udp]") {
+    const auto lost = [](const std::string& limit) {
+        Received r("idle: 3600 s, senders: 0, reorder: 3600 s, maximum_pending: " + limit);
+        const std::string line = "{\"pelorus\":1,\"kind\":\"end\",\"sender\":\"mast\",\"sequence\":1}\n";
+        std::string bytes;
+        while (bytes.size() + line.size() <= 65507) bytes += line;
+        r.take(bytes, std::numeric_limits<std::int64_t>::max());  // so that it never waits for too long
+        r.stage->next();
+        return r.bench.counters["lost"];
+    };
+    CHECK(lost("65536") == 1);
+    CHECK(lost("67108864") == 0);
+}
+
 TEST_CASE("source.udp tells apart only so many senders", "[source.udp]") {
     Received r("idle: 3600 s, maximum_senders: 1");
     r.take(scan(0));
