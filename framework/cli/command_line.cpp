@@ -1,6 +1,7 @@
 #include "cli/command_line.hpp"
 
 #include <charconv>
+#include <limits>
 
 #include <boost/program_options.hpp>
 #include <fmt/format.h>
@@ -54,6 +55,17 @@ std::string usage(const std::string& command, const Grammar& grammar) {
     return text;
 }
 
+/// Why there may be an argument too many: `--set world.period 2s` for `--set world.period=2s`, or a value in two words.
+std::string left_over_hint(const CommandLine& line, const Grammar& grammar) {
+    for (const Flag& flag : grammar.flags) {
+        if (flag.value.find('=') == std::string::npos) continue;
+        for (const std::string& value : line.values(flag.name))
+            if (value.find('=') == std::string::npos)
+                return fmt::format("--{} takes {}, joined by '='; it got '{}'", flag.name, flag.value, value);
+    }
+    return "quote a value that has a blank";
+}
+
 /// Words to flags and arguments, each as often and in the order in which it was given.
 std::vector<options::option> split(const std::string& command, const Grammar& grammar,
                                    const std::vector<std::string>& words) {
@@ -98,8 +110,8 @@ CommandLine CommandLine::parse(const std::string& command, const Grammar& gramma
         refuse(fmt::format("{}: {} is missing; usage: {}", command, grammar.arguments[line.arguments_.size()],
                            usage(command, grammar)));
     if (line.arguments_.size() > wanted)
-        refuse(fmt::format("{}: unexpected argument '{}' (quote a value that has a blank); usage: {}", command,
-                           line.arguments_[wanted], usage(command, grammar)));
+        refuse(fmt::format("{}: unexpected argument '{}' ({}); usage: {}", command, line.arguments_[wanted],
+                           left_over_hint(line, grammar), usage(command, grammar)));
     return line;
 }
 
@@ -118,8 +130,11 @@ std::uint64_t CommandLine::number(const std::string& flag, std::uint64_t otherwi
     const std::string text = value(flag);
     std::uint64_t number = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (problem != std::errc() || end != text.data() + text.size() || number > most)
-        refuse(fmt::format("--{}: expected a whole number from 0 to {}, got '{}'", flag, most, text));
+    if (problem != std::errc() || end != text.data() + text.size() || number > most) {
+        const bool is_any = most == std::numeric_limits<std::uint64_t>::max();
+        refuse(fmt::format("--{}: expected a whole number from 0 to {}, got '{}'", flag,
+                           is_any ? "2^64 - 1" : std::to_string(most), text));
+    }
     return number;
 }
 

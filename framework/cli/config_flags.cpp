@@ -47,7 +47,7 @@ graph::Document load_document(const CommandLine& line) {
     for (const std::string& text : line.values("set")) overrides.push_back(assignment(text));
     if (line.has("seed"))
         overrides.push_back(
-            {"run.seed", std::to_string(line.number("seed", 0, std::numeric_limits<std::int64_t>::max()))});
+            {"run.seed", std::to_string(line.number("seed", 0, std::numeric_limits<std::uint64_t>::max()))});
     return graph::Document::load(line.argument(0), overrides);
 }
 

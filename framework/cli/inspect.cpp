@@ -76,10 +76,15 @@ void refuse_config_flags(const CommandLine& line, const std::string& what) {
 int inspect_plugin(const CommandLine& line) {
     refuse_config_flags(line, "taken for a plugin's id");
     host::Catalog catalog(plugin_folders(line));
-    Json plugin = description_json(catalog.load(line.argument(0)));
+    const std::string& id = line.argument(0);
+    std::error_code ignored_reason;
+    if (catalog.find(id) == nullptr && fs::is_directory(id, ignored_reason))
+        throw Error(Exit::misuse,
+                    fmt::format("{} is a folder; `pelorus list --plugins {}` lists the plugins in it", id, id));
+    Json plugin = description_json(catalog.load(id));
     std::vector<std::string> ignored;  // of plugins that nobody asked for
     plugin = whole_json(std::move(plugin), all_descriptions(catalog, ignored),
-                        [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });
+                        [&catalog](const std::string& any) -> const host::LoadedPlugin& { return catalog.load(any); });
     show(plugin, plugin_text(plugin), line);
     return static_cast<int>(Exit::done);
 }
@@ -87,6 +92,8 @@ int inspect_plugin(const CommandLine& line) {
 int inspect_library(const CommandLine& line) {
     refuse_config_flags(line, "a library");
     const fs::path file = line.argument(0);
+    std::error_code ignored_reason;
+    if (!fs::exists(file, ignored_reason)) throw Error(Exit::misuse, file.string() + ": there is no such file");
     host::Catalog library({fs::absolute(file)});
     if (!library.rejected().empty())
         throw Error(Exit::misuse, file.string() + ": " + library.rejected().front().reason);
@@ -150,7 +157,7 @@ Command inspect_command() {
         "and what flows through them: kind of message, sensors, components, frames.",
         {{"ID|LIB.so|CONFIG"}, flags, {}},
         {{"pelorus list", "which ids there are"},
-         {"pelorus inspect build/drag.so", "what is in a library that was just built"},
+         {"pelorus inspect build/motion/drag.so", "what is in a library that was just built"},
          {"pelorus inspect configs/airship.yaml", "the graph of a config"},
          {"pelorus inspect configs/airship.yaml --dot | dot -Tsvg > graph.svg", "the same as a picture"}},
         &inspect};

@@ -17,6 +17,25 @@ Value empty_map(const Assignment& assignment) {
     return map;
 }
 
+/// `.sensors.radar` for the slot or part `radar` somewhere below a part, "" if there is none.
+std::string way_to(const Value& part, const std::string& name) {
+    const Value* parts = part.find("parts");
+    if (parts == nullptr) return {};
+    for (const Value::Entry& slot : parts->map) {
+        if (slot.key == name) return "." + name;
+        if (is_unnamed_part(slot.value)) {
+            const std::string below = way_to(slot.value, name);
+            if (!below.empty()) return "." + slot.key + below;
+            continue;
+        }
+        for (const Value::Entry& named : slot.value.map) {
+            const std::string below = named.key == name ? std::string() : way_to(named.value, name);
+            if (named.key == name || !below.empty()) return "." + slot.key + "." + named.key + below;
+        }
+    }
+    return {};
+}
+
 /// One assignment on its way down the tree. Throws AddressError.
 class Walk {
 public:
@@ -106,7 +125,7 @@ private:
                                  ? find_slot(*description, key) != nullptr
                                  : (parts != nullptr && parts->find(key) != nullptr) || !at_last() || value_.is_map();
         if (is_slot) return into_slot(part, effective);
-        if (description != nullptr && (!at_last() || value_.is_map())) refuse_slot(*description);
+        if (description != nullptr && (!at_last() || value_.is_map())) refuse_slot(*description, effective);
         Value& with = child(part, "with");
         if (value_.is_null() && !below_like_ && with.find(key) != nullptr)
             with.erase(key);
@@ -123,11 +142,18 @@ private:
         }
     }
 
-    [[noreturn]] void refuse_slot(const plr_description& description) const {
+    [[noreturn]] void refuse_slot(const plr_description& description, const Value& part) const {
         const std::vector<std::string> parameters = parameter_names(description);
         if (std::find(parameters.begin(), parameters.end(), here()) != parameters.end())
             throw AddressError("'" + here() + "' is a parameter of " + description.id + ": " +
                                (at_last() ? "a map is no value for it" : "nothing stands below it"));
+        const std::string way = way_to(part, here());
+        if (!way.empty()) {
+            const std::vector<std::string> rest(segments_.begin() + static_cast<std::ptrdiff_t>(at_) + 1,
+                                                segments_.end());
+            throw AddressError(std::string(description.id) + " has no slot '" + here() + "'; did you mean '" +
+                               address_so_far() + way + (rest.empty() ? "" : "." + join(rest, ".")) + "'?");
+        }
         throw AddressError(std::string(description.id) + " has no slot '" + here() + "'" +
                            suggestion(here(), slot_names(description), "slots"));
     }

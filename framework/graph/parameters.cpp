@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/scalar_reader.hpp"
+#include "graph/units.hpp"
 #include "graph/yaml.hpp"
 #include "host/description.hpp"
 
@@ -20,9 +21,9 @@ plr_const_view packed(const std::vector<double>& numbers, std::size_t rows, std:
     return {numbers.data(), r, c, 1, 1, r, r * c};
 }
 
-/// Says how many `what` (elements, rows, columns) are wanted, if `count` are not.
+/// Says how many `what` (elements, rows, columns) are wanted, if `count` are not. `hint`: what may have led to so many.
 void check_count(std::size_t count, std::int32_t least, std::int32_t most, const std::string& what, const Value& value,
-                 const std::string& label) {
+                 const std::string& label, const std::string& hint = {}) {
     const auto given = static_cast<std::int64_t>(count);
     if (given >= least && (most < 0 || given <= most)) return;
     std::string wanted = std::to_string(least);
@@ -30,19 +31,71 @@ void check_count(std::size_t count, std::int32_t least, std::int32_t most, const
         wanted = "at least " + wanted;
     else if (most != least)
         wanted += " to " + std::to_string(most);
-    throw ValueError(value.where, label, "expected " + wanted + " " + what + ", got " + std::to_string(count));
+    throw ValueError(value.where, label, "expected " + wanted + " " + what + ", got " + std::to_string(count) + hint);
+}
+
+bool is_whole_number(const std::string& text) {
+    const std::size_t sign = !text.empty() && (text.front() == '-' || text.front() == '+') ? 1 : 0;
+    return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
+}
+
+bool is_number(const std::string& text) {
+    try {
+        parse_number(text);
+        return true;
+    } catch (const UnitError&) {
+        return false;
+    }
 }
 
 std::string indexed(const std::string& label, std::size_t index) { return label + "[" + std::to_string(index) + "]"; }
+
+/// Whether only a comma, no blank, stands between two numbers of a list, where their places are known.
+bool are_joined(const Value& first, const Value& second) {
+    return first.where.line == second.where.line &&
+           second.where.column == first.where.column + static_cast<int>(first.scalar.size()) + 1;
+}
+
+/// `0,15 deg` in a list is two elements: `0` and `15 deg`. "" if none looks like that.
+std::string decimal_comma(const std::vector<Value>& list) {
+    const auto is_bare = [](const Value& value) { return value.is_scalar() && !value.quoted && !value.scalar.empty(); };
+    bool are_all_joined = true;
+    for (std::size_t i = 0; i + 1 < list.size(); ++i)
+        are_all_joined = are_all_joined && are_joined(list[i], list[i + 1]);
+    for (std::size_t i = 0; i + 1 < list.size(); ++i) {
+        const Value &whole = list[i], &decimals = list[i + 1];
+        if (!is_bare(whole) || !is_bare(decimals) || !is_whole_number(whole.scalar)) continue;
+        if (decimals.scalar.front() < '0' || decimals.scalar.front() > '9') continue;
+        const bool has_unit = !is_whole_number(decimals.scalar);
+        const bool has_place = whole.where.line > 0;
+        if (has_place ? are_joined(whole, decimals) && (has_unit || !are_all_joined) : has_unit)
+            return "; is '" + whole.scalar + "," + decimals.scalar +
+                   "' one of them? Decimals stand after a point, not a comma";
+    }
+    return {};
+}
+
+/// One value for elements that do not measure the same: only a number without unit can be meant for all.
+void check_fills(const Value& value, const std::vector<std::string>& units, std::size_t rows,
+                 const std::string& label) {
+    const std::vector<std::string> used(units.begin(), units.begin() + static_cast<std::ptrdiff_t>(rows));
+    if (std::count(used.begin(), used.end(), used.front()) == static_cast<std::ptrdiff_t>(rows)) return;
+    if (is_number(value.scalar)) return;
+    throw ValueError(value.where, label,
+                     "takes " + std::to_string(rows) + " values (" + join(used) + "), got one: " + value.described());
+}
 
 void read_vector(const plr_parameter& parameter, const Value& value, const std::string& label, StoredValue& stored) {
     const bool fills = value.is_scalar();
     if (!fills && !value.is_list())
         throw ValueError(value.where, label,
                          "expected a list, or one value for all elements, got " + value.described());
-    if (!fills) check_count(value.list.size(), parameter.rows_min, parameter.rows_max, "elements", value, label);
+    if (!fills)
+        check_count(value.list.size(), parameter.rows_min, parameter.rows_max, "elements", value, label,
+                    decimal_comma(value.list));
     const std::size_t rows = fills ? static_cast<std::size_t>(std::max(parameter.rows_min, 1)) : value.list.size();
     const std::vector<std::string> units = element_units(parameter, rows, value.where, label);
+    if (fills) check_fills(value, units, rows, label);
     for (std::size_t r = 0; r < rows; ++r)
         stored.numbers.push_back(fills ? read_double(parameter, units[r], value, label)
                                        : read_double(parameter, units[r], value.list[r], indexed(label, r)));

@@ -71,7 +71,9 @@ private:
     bool is_part_map(const Value& value, const std::string& address, const std::vector<std::string>& keys,
                      const std::string& what) {
         if (!value.is_map()) {
-            problems_.add(value.where, address + ": expected a map such as {use: PLUGIN}, got " + value.described());
+            const std::string like = &keys == &part_keys ? like_hint(value, address) : std::string();
+            problems_.add(value.where,
+                          address + ": expected a map such as {use: PLUGIN}" + like + ", got " + value.described());
             return false;
         }
         for (const Value::Entry& entry : value.map) {
@@ -80,6 +82,20 @@ private:
                           address + ": unknown key '" + entry.key + "'" + hint(value, entry.key, keys, what));
         }
         return true;
+    }
+
+    /// ` or {like: world.sensors.radar}` where a text is the address of a part.
+    std::string like_hint(const Value& text, const std::string& address) const {
+        if (!text.is_scalar()) return {};
+        Value part;
+        part.kind = Value::Kind::map;
+        part.set("like", text.where, text);
+        try {
+            tree_.resolved(part, address);
+            return " or {like: " + text.scalar + "}";
+        } catch (const AddressError&) {
+            return {};
+        }
     }
 
     /// Parameters and slots are often written one level too high.
@@ -172,10 +188,14 @@ private:
                     names.push_back(name);
             }
         }
-        for (const Value::Entry& entry : part.with.map)
-            if (std::find(names.begin(), names.end(), entry.key) == names.end())
-                problems_.add(entry.where, part.address + ": " + description.id + " has no parameter '" + entry.key +
-                                               "'" + suggestion(entry.key, names, "parameters"));
+        const std::vector<std::string>& keys = part.place == nullptr ? node_keys : part_keys;
+        for (const Value::Entry& entry : part.with.map) {
+            if (std::find(names.begin(), names.end(), entry.key) != names.end()) continue;
+            const bool is_key = std::find(keys.begin(), keys.end(), entry.key) != keys.end();
+            problems_.add(entry.where, part.address + ": " + description.id + " has no parameter '" + entry.key + "'" +
+                                           (is_key ? "; `" + entry.key + "` stands beside `with`, not under it"
+                                                   : suggestion(entry.key, names, "parameters")));
+        }
         part.with = mended(part.with, names);
         const ParameterContext context{problems_,      part.address,  description.id,
                                        part.use_where, context_.base, context_.variables};
@@ -215,9 +235,9 @@ private:
         if (is_taken_away(content.value)) return 0;
         holder.slots.emplace_back(slot.name, content.where);
         if (!content.value.is_map()) {
-            problems_.add(content.value.where,
-                          address + ": expected a map such as {use: PLUGIN}, or from names to such maps, got " +
-                              content.value.described());
+            problems_.add(content.value.where, address + ": expected a map such as {use: PLUGIN}" +
+                                                   like_hint(content.value, address) +
+                                                   ", or from names to such maps, got " + content.value.described());
             return static_cast<std::size_t>(std::max(slot.min, 1));
         }
         if (is_unnamed_part(content.value)) {

@@ -8,6 +8,12 @@ namespace pelorus::graph {
 
 namespace {
 
+std::string lower_case(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 /// What a message says once the address that it begins with is left away.
 std::string statement(const std::string& text) {
     const std::size_t colon = text.find(": ");
@@ -27,11 +33,30 @@ void Problems::raise() const {
     if (!items_.empty()) throw ConfigError(items_);
 }
 
+std::string meant(const std::string& word, const std::vector<std::string>& candidates) {
+    static const std::pair<const char*, const char*> others_say[] = {
+        {"input", "in"}, {"inputs", "in"}, {"plugin", "use"}, {"parameters", "with"}, {"slots", "parts"}};
+    const std::string near = nearest(word, candidates);
+    if (!near.empty()) return near;
+    const std::string small = lower_case(word);
+    for (const std::string& candidate : candidates) {
+        if (small == lower_case(candidate)) return candidate;
+        for (const auto& [other, ours] : others_say)
+            if (small == other && candidate == ours) return candidate;
+    }
+    return {};
+}
+
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates, const std::string& plural) {
     constexpr std::size_t few = 12;
     std::string text;
-    std::string near = nearest(word, candidates);
-    const std::size_t colon = word.find(':');
+    std::string near = meant(word, candidates);
+    const std::size_t colon = word.find(':'), equals = word.find('=');
+    if (equals != std::string::npos) {  // `scans = 60` in braces is a key of that name, too
+        near = meant(trimmed(word.substr(0, equals)), candidates);
+        if (!near.empty())
+            return "; a colon belongs in place of the '=': `" + near + ": " + trimmed(word.substr(equals + 1)) + "`";
+    }
     if (colon != std::string::npos) {  // `scans:60` in braces is a key of that name
         near = nearest(word.substr(0, colon), candidates);
         if (!near.empty())
@@ -43,6 +68,11 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
     else if (candidates.size() <= few)
         text += (near.empty() ? "; " : " ") + plural + ": " + join(candidates);
     return text;
+}
+
+std::string trimmed(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 std::string join(const std::vector<std::string>& words, const std::string& separator) {

@@ -21,8 +21,15 @@ private:
     std::vector<ConfigError::Item> items_;
 };
 
+/// The candidate that a word probably stands for: the nearest, one that differs in capitals only, or the config's own word for
+/// what other programs call by that one (`plugin`: `use`). "" if there is none.
+std::string meant(const std::string& word, const std::vector<std::string>& candidates);
+
 /// `; did you mean 'noise'?` if a candidate is near, followed by the candidates (`; parameters: a, b`) if they are few.
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates, const std::string& plural);
+
+/// Without the blanks and tabs around it.
+std::string trimmed(const std::string& text);
 
 /// `a, b, c`
 std::string join(const std::vector<std::string>& words, const std::string& separator = ", ");

@@ -16,6 +16,11 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
+/// A unit that does not exist, and none is near.
+struct UnknownUnit : UnitError {
+    using UnitError::UnitError;
+};
+
 struct NamedUnit {
     const char* name;
     Unit unit;
@@ -83,7 +88,9 @@ Unit find_unit(const std::string& name) {
     std::vector<std::string> names;
     for (const NamedUnit& candidate : named_units()) names.emplace_back(candidate.name);
     const std::string near = nearest(name, names);
-    throw UnitError("there is no unit '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    const std::string text = "there is no unit '" + name + "'";
+    if (near.empty()) throw UnknownUnit(text);
+    throw UnitError(text + "; did you mean '" + near + "'?");
 }
 
 /// µ, °, ², ³, · to ASCII; a no-break space to a space.
@@ -230,9 +237,20 @@ double scaled(std::string_view number, int decimal) {
     return value;
 }
 
-std::string trimmed(const std::string& text) {
-    const std::size_t first = text.find_first_not_of(" \t");
-    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+/// `; there are m/s, km/h, kn`: what people measure it in. "" where the SI unit is all.
+std::string usual_units(const Dimension& dimension) {
+    static const std::pair<Dimension, const char*> usual[] = {
+        {{{0}}, "%, ppm, dB"},
+        {{{1}}, "m, km, ft, nmi"},
+        {{{0, 1}}, "s, ms, min, h, d"},
+        {{{1, -1}}, "m/s, km/h, kn"},
+        {{{0, -1}}, "Hz, kHz, 1/s"},
+        {{{0, 0, 0, 1}}, "rad, mrad, deg, arcmin, arcsec"},
+        {{{0, -1, 0, 1}}, "rad/s, deg/s, rpm"},
+    };
+    for (const auto& [candidate, names] : usual)
+        if (candidate == dimension) return std::string("; there are ") + names;
+    return {};
 }
 
 std::string expectation(const std::string& expected) {
@@ -315,6 +333,9 @@ double parse_quantity(const std::string& text, const std::string& expected) {
     Unit unit;
     try {
         unit = parse_unit(unit_text);
+    } catch (const UnknownUnit& error) {
+        throw UnitError(expectation(expected) + ", got '" + text + "' (" + error.what() +
+                        usual_units(parse_unit(expected).dimension) + ")");
     } catch (const UnitError& error) {
         throw UnitError(expectation(expected) + ", got '" + text + "' (" + error.what() + ")");
     }

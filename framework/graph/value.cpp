@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "graph/problems.hpp"
+
 namespace pelorus::graph {
 
 const Value::Entry* Value::entry(const std::string& key) const noexcept {
@@ -82,8 +84,8 @@ void merge(Value& base, Value over) {
 Value mended(Value map, const std::vector<std::string>& known) {
     for (Value::Entry& entry : map.map) {
         if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-        const std::string meant = nearest(entry.key, known);
-        if (!meant.empty() && map.find(meant) == nullptr) entry.key = meant;
+        const std::string right = meant(entry.key, known);
+        if (!right.empty() && map.find(right) == nullptr) entry.key = right;
     }
     return map;
 }

@@ -208,6 +208,11 @@ private:
                 problems_.add(entry.key.where, "a key must be a word, not " + entry.key.described());
                 continue;
             }
+            const std::string blank = entry.key.quoted ? std::string() : blank_problem(entry.key.scalar);
+            if (!blank.empty()) {
+                problems_.add(entry.key.where, blank);
+                continue;
+            }
             const auto [first, fresh] = explicit_keys.emplace(entry.key.scalar, entry.key.where);
             if (!fresh)
                 problems_.add(entry.key.where,

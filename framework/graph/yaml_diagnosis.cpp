@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace pelorus::graph {
@@ -189,10 +191,14 @@ YamlDiagnosis at(const Line& line, std::size_t offset, std::string text) {
     return {line.number, static_cast<int>(offset) + 1, std::move(text)};
 }
 
-YamlDiagnosis tab(const std::vector<Line>& lines) {
-    for (const Line& line : lines)
-        if (line.indent < line.text.size() && line.text[line.indent] == '\t')
+YamlDiagnosis strange_blank(const std::vector<Line>& lines) {
+    for (const Line& line : lines) {
+        if (line.indent == line.text.size()) continue;
+        if (line.text[line.indent] == '\t')
             return at(line, line.indent, "a tab in the indentation; YAML is indented by spaces");
+        if (const std::string blank = blank_problem(line.text.substr(line.indent)); !blank.empty())
+            return at(line, line.indent, blank);
+    }
     return {};
 }
 
@@ -215,6 +221,29 @@ YamlDiagnosis no_colon(const Line& line) {
     return at(line, line.indent, "'" + words + "' is no `key: value`; a colon is missing");
 }
 
+/// Which line may have ended the level of `lines.back()`: a key that stands beside the one that it was to stand under. "" if none
+/// looks like that.
+std::string culprit(const std::vector<Line>& lines) {
+    const std::size_t level = lines.back().indent;
+    std::size_t ender = lines.size() - 1;
+    while (ender > 0 && lines[ender].indent >= level) --ender;
+    if (ender == 0 || lines[ender].indent >= level) return {};
+    const Line& line = lines[ender];
+    bool had_level = false;
+    for (std::size_t i = ender; i-- > 0;) {
+        const Line& beside = lines[i];
+        had_level = had_level || beside.indent == level;
+        if (beside.indent > line.indent) continue;
+        const bool is_empty = i + 1 == ender;
+        if (beside.indent < line.indent || !line.ends_in_colon() || !beside.ends_in_colon()) return {};
+        if (!is_empty && !had_level) return {};
+        const auto named = [](const Line& each) { return "`" + each.text.substr(each.indent) + "`"; };
+        return "; line " + std::to_string(line.number) + " " + named(line) + " stands beside " + named(beside) +
+               ", line " + std::to_string(beside.number);
+    }
+    return {};
+}
+
 /// The last line against those above it.
 YamlDiagnosis indentation(const std::vector<Line>& lines) {
     const Line& line = lines.back();
@@ -235,15 +264,30 @@ YamlDiagnosis indentation(const std::vector<Line>& lines) {
     if (line.indent >= above.indent || std::count(levels.begin(), levels.end(), line.indent) > 0) return {};
     std::string known;
     for (const std::size_t level : levels) known += (known.empty() ? "" : ", ") + std::to_string(level);
-    return at(line, line.indent, by + ", which is no level of the lines above: " + known);
+    return at(line, line.indent, by + ", which is no level of the lines above: " + known + culprit(lines));
 }
 
 }  // namespace
 
+std::string blank_problem(const std::string& text) {
+    static const std::pair<const char*, const char*> blanks[] = {{"\xC2\xA0", "a no-break space (U+00A0)"},
+                                                                 {"\xE2\x80\x82", "an en space (U+2002)"},
+                                                                 {"\xE2\x80\x83", "an em space (U+2003)"},
+                                                                 {"\xE2\x80\x87", "a figure space (U+2007)"},
+                                                                 {"\xE2\x80\x89", "a thin space (U+2009)"},
+                                                                 {"\xE2\x80\x8B", "a zero-width space (U+200B)"},
+                                                                 {"\xE2\x80\xAF", "a narrow no-break space (U+202F)"},
+                                                                 {"\xE3\x80\x80", "an ideographic space (U+3000)"}};
+    for (const auto& [blank, name] : blanks)
+        if (text.compare(0, std::strlen(blank), blank) == 0)
+            return std::string(name) + " in place of a space; YAML is indented by spaces";
+    return {};
+}
+
 YamlDiagnosis diagnose_yaml(const std::string& text, int line, int column) {
     const std::vector<Line> lines = lines_up_to(text, line);
     if (lines.empty()) return {};
-    if (const YamlDiagnosis found = tab(lines); !found.text.empty()) return found;
+    if (const YamlDiagnosis found = strange_blank(lines); !found.text.empty()) return found;
     if (const YamlDiagnosis found = BracketScan(text, line).run(); !found.text.empty()) return found;
     const Line& last = lines.back();
     if (last.number != line) return {};

@@ -152,10 +152,10 @@ const PluginFile& Catalog::require(const std::string& id) const {
         std::vector<std::string> ids;
         for (const PluginFile& plugin : plugins_) ids.push_back(plugin.id);
         const std::string meant = likely(id, ids);
-        throw UnknownPlugin("no plugin " + id +
-                                (meant.empty() ? others_of_kind(id, plugins_) : " (did you mean " + meant + "?)") +
-                                "; searched " + folder_names(folders_),
-                            meant);
+        throw UnknownPlugin(
+            "no plugin " + id + (meant.empty() ? others_of_kind(id, plugins_) : " (did you mean " + meant + "?)") +
+                "; searched " + folder_names(folders_) + "; more folders: --plugins DIR or PELORUS_PLUGIN_PATH",
+            meant);
     }
     const auto clash = clashes_.find(id);
     if (clash != clashes_.end())

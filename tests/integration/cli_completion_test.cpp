@@ -52,6 +52,7 @@ TEST_CASE("bash completes commands, flags, kinds, levels and ids") {
     CHECK(completed({command, "list", "--kind", "=", "mo"}) == Words{"motion"});
     CHECK(completed({command, "new", "tra"}) == Words{"trajectory", "tracker"});
     CHECK(completed({command, "run", "c.yaml", "--log-level", "w"}) == Words{"warning"});
+    CHECK(completed({command, "run", "c.yaml", "--guard", ""}) == Words{"off", "start", "all"});
     CHECK(completed({command, "inspect", "motion.si"}) == Words{"motion.singer"});
     CHECK(completed({command, "completion", ""}) == Words{"bash"});
     CHECK(completed({command, "frobnicate", ""}).empty());

@@ -122,6 +122,11 @@ TEST_CASE("An address that leads nowhere is refused with the nearest", "[graph][
           "--set wrld.scans=3: there is no node 'wrld'; did you mean 'world'? nodes: world, tracker, errors");
     CHECK(plugins.refused("world.sensor.radar.noise", "3") ==
           "--set world.sensor.radar.noise=3: source.fake has no slot 'sensor'; did you mean 'sensors'? slots: sensors");
+    CHECK(plugins.refused("world.radar.noise", "3") ==
+          "--set world.radar.noise=3: source.fake has no slot 'radar'; did you mean 'world.sensors.radar.noise'?");
+    CHECK(plugins.refused("tracker.motion.rate", "3") ==
+          "--set tracker.motion.rate=3: tracker.fake has no slot 'motion'; did you mean "
+          "'tracker.estimator.motion.rate'?");
     CHECK(plugins.refused("world.sensors.rader.noise", "3") ==
           "--set world.sensors.rader.noise=3: there is no part 'rader' in the slot 'sensors'; did you mean 'radar'? "
           "parts: radar");

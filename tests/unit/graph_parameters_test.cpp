@@ -151,10 +151,17 @@ TEST_CASE("Vectors have a unit an element, and a single value fills them", "[gra
     CHECK(one.values[0].numbers.data[2] == 0.0);
     CHECK(one.values[1].numbers.rows == 0);
 
-    CHECK(one.read("      mount: 1 m\n") ==
-          "test.yaml:6:14: n.mount: expected a value in rad, got '1 m' (m is a length)");
+    CHECK(one.read("      mount: 1 m\n") == "test.yaml:6:14: n.mount: takes 3 values (m, rad, rad), got one: '1 m'");
     CHECK(one.read("      mount: [1 m, 2 m, 3]\n") ==
           "test.yaml:6:20: n.mount[1]: expected a value in rad, got '2 m' (m is a length)");
+    const std::string comma = "' one of them? Decimals stand after a point, not a comma";
+    const std::string four = "test.yaml:6:14: n.mount: expected 3 elements, got 4";
+    CHECK(one.read("      mount: [25 m, 0,15 deg, 0.2 deg]\n") == four + "; is '0,15 deg" + comma);
+    CHECK(one.read("      mount: [25, 0,15, 0.2]\n") == four + "; is '0,15" + comma);
+    for (const char* four_elements : {"[1, 2, 3, 4]", "[1,2,3,4]", "[25 m, 0, 15 deg, 0.2]", "[25 m, 1 m, '0',15]"})
+        CHECK(one.read(std::string("      mount: ") + four_elements + "\n") == four);
+    CHECK(one.read("      mount: 0\n", {{"n.mount", "[25 m, 0,15 deg, 0.2 deg]"}}).find("; is '0,15 deg" + comma) !=
+          std::string::npos);
     CHECK(one.read("      mount: [1, 2]\n") == "test.yaml:6:14: n.mount: expected 3 elements, got 2");
     CHECK(one.read("      {mount: 0, axes: [1, 2, 3, 4, 5]}\n") ==
           "test.yaml:6:24: n.axes: expected 0 to 4 elements, got 5");

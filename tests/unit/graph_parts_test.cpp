@@ -238,6 +238,43 @@ graph:
        "test.yaml:8:55: world.sensors.radar: give `use` or `like`, not both");
 }
 
+TEST_CASE("Keys that stand under with, and words of other programs, are put right", "[graph][parts]") {
+    Pipeline plugins;
+    const std::string before = "pelorus: 1\ngraph:\n  world: {use: source.fake, ";
+    const std::string sensors = "parts: {sensors: {radar: {use: sensor.fake";
+    CHECK(plugins.problems(before + sensors + "}}}, with: {frame: mast, use: x}}\n") ==
+          "test.yaml:3:83: world: source.fake has no parameter 'frame'; `frame` stands beside `with`, not under it\n"
+          "test.yaml:3:96: world: source.fake has no parameter 'use'; `use` stands beside `with`, not under it");
+    CHECK(plugins.problems(before + sensors + ", with: {in: {}}}}}}\n").find("has no parameter 'in'; parameters: ") !=
+          std::string::npos);
+    CHECK(
+        plugins.problems(before + "Parts: {sensors: {radar: {plugin: sensor.fake}}}, inputs: {}}\n") ==
+        "test.yaml:3:29: world: unknown key 'Parts'; did you mean 'parts'? keys of a node: use, frame, in, with, "
+        "parts\n"
+        "test.yaml:3:79: world: unknown key 'inputs'; did you mean 'in'? keys of a node: use, frame, in, with, parts\n"
+        "test.yaml:3:55: world.sensors.radar: unknown key 'plugin'; did you mean 'use'? keys of a part: use, like, "
+        "with, parts");
+    CHECK(plugins.problems(before + sensors + "}}}, with: {scans = 3}}\n") ==
+          "test.yaml:3:83: world: source.fake has no parameter 'scans = 3'; a colon belongs in place of the '=': "
+          "`scans: 3`");
+}
+
+TEST_CASE("An address where a part should stand is answered with like", "[graph][parts]") {
+    Pipeline plugins;
+    const std::string world = "pelorus: 1\ngraph:\n  world: {use: source.fake, parts: {sensors: ";
+    const std::string radar = "{radar: {use: sensor.fake}, ";
+    CHECK(plugins.problems(world + radar + "second: world.sensors.radar}}}\n") ==
+          "test.yaml:3:82: world.sensors.second: expected a map such as {use: PLUGIN} or {like: world.sensors.radar}, "
+          "got 'world.sensors.radar'");
+    CHECK(plugins.problems(world + radar + "second: world.sensors.gone}}}\n") ==
+          "test.yaml:3:82: world.sensors.second: expected a map such as {use: PLUGIN}, got 'world.sensors.gone'");
+    CHECK(plugins.problems(world + radar +
+                           "second: {use: sensor.fake}}}}\n"
+                           "  other: {use: source.fake, parts: {sensors: world.sensors.radar}}\n") ==
+          "test.yaml:4:46: other.sensors: expected a map such as {use: PLUGIN} or {like: world.sensors.radar}, or from "
+          "names to such maps, got 'world.sensors.radar'");
+}
+
 TEST_CASE("Nodes need a plugin of a stage and a proper name", "[graph][parts]") {
     Pipeline plugins;
     CHECK(

@@ -74,8 +74,14 @@ TEST_CASE("What is not a quantity is refused", "[units]") {
     CHECK_THROWS_MATCHES(parse_quantity("fast", "m/s"), UnitError,
                          Message("expected a value in m/s, got 'fast' (it does not begin with a number)"));
     CHECK_THROWS_MATCHES(parse_quantity("", "m"), UnitError, Message("expected a value in m, got '' (it is empty)"));
-    CHECK_THROWS_MATCHES(parse_quantity("3 metres", "m"), UnitError,
-                         Message("expected a value in m, got '3 metres' (there is no unit 'metres')"));
+    CHECK_THROWS_MATCHES(
+        parse_quantity("3 metres", "m"), UnitError,
+        Message("expected a value in m, got '3 metres' (there is no unit 'metres'; there are m, km, ft, nmi)"));
+    CHECK_THROWS_MATCHES(
+        parse_quantity("50 kph", "m/s"), UnitError,
+        Message("expected a value in m/s, got '50 kph' (there is no unit 'kph'; there are m/s, km/h, kn)"));
+    CHECK_THROWS_MATCHES(parse_quantity("5 sones", "kg"), UnitError,
+                         Message("expected a value in kg, got '5 sones' (there is no unit 'sones')"));
     CHECK_THROWS_MATCHES(parse_quantity("3 mi", "s"), UnitError,
                          Message("expected a value in s, got '3 mi' (there is no unit 'mi'; did you mean 'min'?)"));
     for (const char* text : {"nan",    "inf",     "-inf",   ".nan",   ".inf", "0x10", "1_000", "1,5",  "1e999",

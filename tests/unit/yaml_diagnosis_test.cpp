@@ -17,6 +17,11 @@ std::string told(const std::string& text, int stopped_at) {
 
 TEST_CASE("What is wrong with a text that is not YAML is told where it is to be mended", "[document]") {
     CHECK(told("a:\n\tb: 1\n", 2) == "2:1 a tab in the indentation; YAML is indented by spaces");
+    CHECK(told("a:\n \xC2\xA0 b: 1\n", 2) ==
+          "2:2 a no-break space (U+00A0) in place of a space; YAML is indented by spaces");
+    CHECK(told("a:\n\xE3\x80\x80"
+               "b: 1\n",
+               2) == "2:1 an ideographic space (U+3000) in place of a space; YAML is indented by spaces");
     CHECK(told("a: {b: 1\nc: 2\n", 2) == "1:4 this '{' is not closed");
     CHECK(told("a: [1, 2}\n", 1) == "1:9 this '}' cannot close the '[' in line 1, column 4, which is still open");
     CHECK(told("a: {b: 1}}\n", 1) == "1:10 this '}' closes nothing");
@@ -27,6 +32,16 @@ TEST_CASE("What is wrong with a text that is not YAML is told where it is to be 
     CHECK(told("a\nb: 1\n", 2) == "1:1 'a' is no `key: value`; a colon is missing");
     CHECK(told("a: %5\n", 1) == "1:4 a value cannot begin with '%'; quote it");
     CHECK(told("a:\n    b: 1\n  c: 2\n", 3) == "3:3 indented by 2 spaces, which is no level of the lines above: 0, 4");
+}
+
+TEST_CASE("The line that ended a level is told where it is a key beside the one that it belongs to", "[document]") {
+    const std::string by_two = "indented by 2 spaces, which is no level of the lines above: 0, 4";
+    const std::string empty = "graph:\nradar:\n    use: x\n  tracker: y\n";
+    CHECK(told(empty, 4) == "4:3 " + by_two + "; line 2 `radar:` stands beside `graph:`, line 1");
+    const std::string filled = "graph:\n  world: {}\nradar:\n    use: x\n  tracker: y\n";
+    CHECK(told(filled, 5) == "5:3 " + by_two + "; line 3 `radar:` stands beside `graph:`, line 1");
+    CHECK(told("graph:\n    world: {}\nradar:\n    use: x\n  tracker: y\n", 5) == "5:3 " + by_two);
+    CHECK(told("title: t\ngraph:\n    use: x\n  tracker: y\n", 4) == "4:3 " + by_two);
 }
 
 TEST_CASE("Quotes, brackets and comments that are in order are not blamed for what is wrong elsewhere", "[document]") {

@@ -69,6 +69,7 @@ Words for_placeholder(const std::string& placeholder, const UnfinishedLine& line
     if (placeholder == "FILE") return {":files"};
     if (placeholder == "KIND") return kinds();
     if (placeholder == "LEVEL") return {"trace", "debug", "info", "warning", "error"};
+    if (placeholder == "MODE") return {"off", "start", "all"};
     if (placeholder == "SHELL") return {"bash"};
     if (placeholder == "ID|LIB.so|CONFIG") {
         Words found = ids(line);

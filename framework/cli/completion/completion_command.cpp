@@ -54,7 +54,8 @@ Command completion_command() {
             "by itself.",
             {{"SHELL"}, {}, {}},
             {{"source <(pelorus completion bash)", "for this shell"},
-             {"pelorus completion bash > ~/.local/share/bash-completion/completions/pelorus", "for all to come"}},
+             {"mkdir -p ~/.local/share/bash-completion/completions", "for all to come: the folder, if it is not there"},
+             {"pelorus completion bash > ~/.local/share/bash-completion/completions/pelorus", "and the script in it"}},
             &completion};
 }
 
