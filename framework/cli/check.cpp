@@ -6,6 +6,7 @@
 #include "cli/draw/graph_json.hpp"
 #include "cli/output.hpp"
 #include "graph/graph.hpp"
+#include "host/description.hpp"
 #include "host/error.hpp"
 
 namespace pelorus::cli {
@@ -19,8 +20,7 @@ std::string counted(std::size_t number, const std::string& noun) {
 }
 
 const char* port_name(const plr_port* ports, std::size_t index) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(ports);
-    return reinterpret_cast<const plr_port*>(bytes + index * ports->struct_size)->name;
+    return host::element(ports, static_cast<std::uint32_t>(index)).name;
 }
 
 /// `scans <- world.scans`

@@ -26,9 +26,9 @@ namespace pelorus::cli {
 
 namespace {
 
-char folder[4096] = "";     // as the user named it; "" : no run is under way
-char last_words[512] = "";  // of the exception that ended in std::terminate
-std::atomic_flag telling = ATOMIC_FLAG_INIT;
+char folder[4096] = "";        // as the user named it; "" : no run is under way
+char last_words[512] = "";     // of the exception that ended in std::terminate
+std::atomic<pid_t> teller{0};  // the thread that tells
 
 /// A line that is put together in place.
 class Line {
@@ -171,8 +171,17 @@ void end_line(Line& line, const host::CallMark* innermost) noexcept {
     line.write();
 }
 
+/// The first thread that crashes tells of it; another one waits until that has ended the process.
+void wait_for_turn() noexcept {
+    const auto self = static_cast<pid_t>(::syscall(SYS_gettid));
+    pid_t first = 0;
+    if (teller.compare_exchange_strong(first, self)) return;
+    if (first == self) ::_exit(1);  // it crashed while it was told
+    for (;;) ::pause();
+}
+
 extern "C" void tell_crash(int number, siginfo_t* info, void* context) {
-    if (telling.test_and_set()) ::_exit(1);  // it crashed while it was told, or on a second thread
+    wait_for_turn();
     Line line;
     const host::CallMark* const innermost = begin_line(line);
     line << "crashed (" << name_of(number);
@@ -185,7 +194,8 @@ extern "C" void tell_crash(int number, siginfo_t* info, void* context) {
 
 /// The sanitizer has reported a crash, or leaks at the end of the process; then no call is under way.
 void tell_death() {
-    if (host::innermost_call == nullptr || telling.test_and_set()) return;
+    if (host::innermost_call == nullptr) return;
+    wait_for_turn();
     Line line;
     const host::CallMark* const innermost = begin_line(line);
     line << "crashed (see the sanitizer's report)";

@@ -5,7 +5,7 @@
 
 namespace pelorus::cli {
 
-/// While it lives, the first SIGINT or SIGTERM is noted instead of ending the process; a second one ends it at once. One at a
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP is noted instead of ending the process; a second one ends it at once. One at a
 /// time in a process.
 class Interrupt {
 public:

@@ -213,7 +213,8 @@ Command run_command() {
             "The same config, seed and binaries give the same summary.json, byte for byte: with any number of threads, "
             "and when a run is ended at a snapshot and resumed. A resumed run writes into the folder that it comes "
             "from, unless --out names another; a snapshot of another config is refused.\n\n"
-            "Ctrl-C (SIGINT) or SIGTERM ends a run in an orderly way: results so far are kept, exit code 1. A second "
+            "Ctrl-C (SIGINT), SIGTERM or SIGHUP ends a run in an orderly way: results so far are kept, exit code 1. A "
+            "second "
             "one ends it at once.",
             {{"CONFIG"}, flags, {{"runs", "N", campaigns}, {"variant", "V", campaigns}}},
             {{"pelorus run configs/airship.yaml", "results in ./results/airship"},

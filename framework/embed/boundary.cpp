@@ -43,19 +43,30 @@ std::string& thread_text() {
     return text;
 }
 
+bool& is_within_log() {
+    thread_local bool within = false;
+    return within;
+}
+
 bool has_room(const plr_error* error) { return error != nullptr && error->struct_size >= sizeof(plr_error); }
 
 }  // namespace
 
+WithinLog::WithinLog() { is_within_log() = true; }
+WithinLog::~WithinLog() { is_within_log() = false; }
+
 void begin_call(plr_error* error) {
     thread_text().clear();
-    if (error == nullptr) return;
-    if (!has_room(error))
-        refuse("error.struct_size is " + std::to_string(error->struct_size) + ", expected at least " +
-               std::to_string(sizeof(plr_error)));
-    const std::uint32_t size = error->struct_size;
-    *error = host::empty_error();
-    error->struct_size = size;
+    if (error != nullptr) {
+        if (!has_room(error))
+            refuse("error.struct_size is " + std::to_string(error->struct_size) + ", expected at least " +
+                   std::to_string(sizeof(plr_error)));
+        const std::uint32_t size = error->struct_size;
+        *error = host::empty_error();
+        error->struct_size = size;
+    }
+    if (is_within_log())
+        throw Failure(PELORUS_E_BUSY, "a log function may call nothing of this library but pelorus_stop");
 }
 
 plr_status tell_current_exception(plr_error* error) noexcept {

@@ -16,7 +16,16 @@ namespace pelorus::embed {
 /// Tells the exception that is being handled: fills `error` (which may be NULL) and the thread's text; answers the status.
 plr_status tell_current_exception(plr_error* error) noexcept;
 
-/// Empties `error` and the thread's text. Throws Failure if `error` is too small.
+/// While it lives, this thread is within the application's log function, where the log is locked: calls are refused.
+class WithinLog {
+public:
+    WithinLog();
+    ~WithinLog();
+    WithinLog(const WithinLog&) = delete;
+    WithinLog& operator=(const WithinLog&) = delete;
+};
+
+/// Empties `error` and the thread's text. Throws Failure if `error` is too small, or within the log function.
 void begin_call(plr_error* error);
 
 /// The text of this thread's last failed call.

@@ -1,5 +1,7 @@
 // Versions, log, opening and closing.
+#include <chrono>
 #include <string_view>
+#include <thread>
 
 #include "embed/boundary.hpp"
 #include "embed/handles.hpp"
@@ -87,6 +89,7 @@ plr_status pelorus_set_log(int32_t level, pelorus_log_function write, void* cont
         if (write == nullptr) return pelorus::host::set_log_target(nullptr);
         pelorus::host::set_log_target(
             [write, context](std::int32_t at, const std::string& name, const std::string& line) {
+                const WithinLog within;
                 write(context, at, name.c_str(), line.c_str());
             });
     });
@@ -106,6 +109,14 @@ plr_status pelorus_open_text(const char* text, const char* name, const char* bas
     });
 }
 
-void pelorus_close(pelorus_pipeline* pipeline) { delete pipeline; }
+void pelorus_close(pelorus_pipeline* pipeline) {
+    if (pipeline == nullptr) return;
+    // Whoever is within a call, perhaps waiting for a live source, is asked out first.
+    while (pipeline->busy.exchange(true, std::memory_order_acquire)) {
+        pipeline->own.stop();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    delete pipeline;
+}
 
 }  // extern "C"

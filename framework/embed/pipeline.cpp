@@ -215,7 +215,11 @@ const Results& Pipeline::results() {
 
 std::vector<unsigned char> Pipeline::snapshot() {
     require_alive();
-    return runtime_->snapshot();
+    try {
+        return runtime_->snapshot();
+    } catch (const Error& problem) {  // nothing has changed: the pipeline goes on
+        throw Failure(PLR_E_UNSUPPORTED, problem.what());
+    }
 }
 
 void Pipeline::restore(const std::vector<unsigned char>& bytes) {
@@ -224,6 +228,7 @@ void Pipeline::restore(const std::vector<unsigned char>& bytes) {
     try {
         runtime_->restore(bytes);
     } catch (const Error& problem) {
+        if (runtime_->is_broken()) broken_ = problem.what();
         throw Failure(PLR_E_DATA, problem.what());
     }
 }

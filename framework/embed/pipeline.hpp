@@ -57,7 +57,6 @@ public:
 private:
     template <class Work> void go_on(Work work);
     void require_alive() const;
-    void require_not_full() const;
     bool may_go_on();
     void check_step(runtime::Step step);
     runtime::Address find_port(const std::string& port, bool is_output) const;

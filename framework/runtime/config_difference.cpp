@@ -15,8 +15,10 @@ std::string shown(const Json* value) {
     constexpr std::size_t longest = 120;
     if (value == nullptr) return "absent";
     std::string text = value->dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (text.size() > longest) text = text.substr(0, longest) + "...";
-    return text;
+    if (text.size() <= longest) return text;
+    std::size_t end = longest;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u) --end;  // not through a character
+    return text.substr(0, end) + "...";
 }
 
 /// Words of the file that are no part of an address.
@@ -51,8 +53,15 @@ std::string compare(const Json& there, const Json& here, const std::string& addr
 }  // namespace
 
 std::string first_difference(const std::string& there, const std::string& here) {
-    const Json left = Json::parse(there, nullptr, false), right = Json::parse(here, nullptr, false);
-    if (left.is_discarded() || right.is_discarded()) return {};
+    // A snapshot is a file from somewhere: what nests deeper than any config would be walked by recursion.
+    constexpr int deepest = 200;
+    bool too_deep = false;
+    const auto watch = [&too_deep](int depth, Json::parse_event_t, Json&) {
+        too_deep = too_deep || depth > deepest;
+        return !too_deep;
+    };
+    const Json left = Json::parse(there, watch, false), right = Json::parse(here, nullptr, false);
+    if (too_deep || left.is_discarded() || right.is_discarded()) return {};
     return compare(left, right, {}, 0);
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/message_block.hpp"
 
+#include <cstring>
 #include <new>
 
 #include "host/guard/memory.hpp"
@@ -35,6 +36,7 @@ MessageBlock* MessagePool::acquire(std::size_t bytes) {
         block->pool = this;
         block->capacity = capacity;
         block->size_class = size_class;
+        std::memset(block->payload(), 0, capacity);  // what lies between fields is fingerprinted, too
         ++allocated_;
     }
     block->next_free = nullptr;

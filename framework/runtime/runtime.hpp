@@ -120,6 +120,8 @@ public:
     /// When a stage does not take its state, the graph is half restored: the error names the stage, and run() is
     /// refused from then on.
     void restore(const std::vector<unsigned char>& bytes);
+    /// Whether restore() left the graph half restored.
+    bool is_broken() const noexcept;
 
     /// Tables and scalars published by any node so far, by node in file order, then by name.
     const Results& results() const noexcept;

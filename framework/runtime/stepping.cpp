@@ -59,12 +59,21 @@ Step Runtime::Implementation::play(const MayGoOn& may_go_on) {
         if (says_stop(may_go_on)) return Step::halted;
         const Outlook outlook = look_ahead();
         if (outlook.wait && (!outlook.something || outlook.key.arrival >= *outlook.wait)) {
-            sleep_until(*outlook.wait, [&] { return says_stop(may_go_on); });
+            bool stopped = false;  // kept: who is asked a second time may say something else
+            sleep_until(*outlook.wait, [&] { return stopped = says_stop(may_go_on); });
+            if (stopped) return Step::halted;
             continue;
         }
         if (!outlook.something) return Step::done;
         handle(outlook);
     }
+}
+
+/// Differences of times are taken everywhere, and must not leave 64 bits.
+void check_time(const char* field, Time time) {
+    constexpr Time farthest = Time{1} << 62;
+    if (time < -farthest || time > farthest)
+        throw BadMessage(fmt::format("message.{} is {} ns, expected at most 2^62 ns before or after 0", field, time));
 }
 
 /// Throws BadMessage unless the message may go to that in port.
@@ -73,12 +82,14 @@ const plr_external& Runtime::Implementation::admit(const Address& to, const plr_
     const Wiring::Port& port = node.in_ports.at(to.port);
     const plr_external* external = external_of(node);
     if (!external)
-        throw BadMessage(
-            fmt::format("{} takes nothing from outside; only nodes made for it do (source.external)", node.plugin));
+        throw BadMessage(fmt::format("{} takes nothing from outside; only nodes made for it do (extension {})",
+                                     node.plugin, PLR_EXTERNAL));
     const auto ends_here = [&](const graph::Edge& edge) { return edge.to == to.node && edge.to_port == to.port; };
     if (std::any_of(wiring.edges.begin(), wiring.edges.end(), ends_here))
         throw BadMessage("an edge of the graph ends at this port, so nothing can be pushed into it");
     check_message(message, check_memory);
+    check_time("time", message.time);
+    if (message.arrival != std::numeric_limits<Time>::min()) check_time("arrival", message.arrival);
     if (message.kind != port.message)
         throw BadMessage(fmt::format("the port takes {}, not {}", host::message_kind_name(port.message),
                                      host::message_kind_name(message.kind)));
@@ -149,6 +160,7 @@ void Runtime::observe(const Address& out_port, Observer observer) {
     implementation_->observers.at(out_port.node).at(out_port.port) = std::move(observer);
 }
 
+bool Runtime::is_broken() const noexcept { return implementation_->phase == Implementation::Phase::broken; }
 std::optional<std::int64_t> Runtime::now() const noexcept { return implementation_->now; }
 std::size_t Runtime::waiting() const noexcept { return implementation_->queue.size(); }
 const Wiring& Runtime::wiring() const noexcept { return implementation_->wiring; }

@@ -200,6 +200,9 @@ TEST_CASE("guard: an item that has no result and is flagged as failed is no faul
     const Ended ended = run_zoo(folder, config, {"--guard", "all"});
     CAPTURE(ended.err);
     CHECK(ended.exit == 0);
+    // The tracker goes on without the item, and says where the failure comes from.
+    CHECK_THAT(ended.err, Contains("tracker.estimator.motion (org.example.motion.zoo), propagate: "));
+    CHECK(count(ended.err, "(org.example.motion.zoo)") == 1);
 }
 
 TEST_CASE("guard: off hands out the plugins' own tables, and a wrong mode is refused") {

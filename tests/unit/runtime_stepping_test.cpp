@@ -101,6 +101,28 @@ TEST_CASE("steps without anything from outside are the run itself", "[stepping]"
     CHECK(stepped.sink->lines == whole.sink->lines);
 }
 
+TEST_CASE("a stop that is said once, while a live source is waited for, ends the step", "[stepping]") {
+    struct Silent : Stage {
+        plr_status next(const plr_call&, plr_next& out) override {
+            out = {sizeof(plr_next), PLR_NEXT_WAIT, INT64_MAX, 0};
+            return PLR_OK;
+        }
+    };
+    Graph graph;
+    graph.add("radio", "source", std::make_shared<Silent>(), {}, {scans});
+    Runtime runtime(graph.wiring());
+    int asked = 0;
+    CHECK(runtime.play([&] { return ++asked != 2; }) == Step::halted);
+    CHECK(asked == 2);
+}
+
+TEST_CASE("times that are farther away than differences of 64 bits reach are refused", "[stepping]") {
+    Fed fed;
+    CHECK_THAT(refusal([&] { fed.push(70, INT64_MIN); }), Contains("message.time is") && Contains("2^62"));
+    CHECK_THAT(refusal([&] { fed.push(70, 0, INT64_MAX); }), Contains("message.arrival is"));
+    CHECK(fed.counter("refused") == 2);
+}
+
 TEST_CASE("finish handles what still waits", "[stepping]") {
     Fed fed;
     fed.push(70, second);

@@ -1,6 +1,6 @@
 /// One checked call: what goes in is fingerprinted, what comes out goes to stand-ins, and afterwards both are looked at.
 ///
-///     CheckedCall checks(record, "propagate", call);
+///     CheckedCall checks(record, call);
 ///     checks.items(args.out.count);
 ///     checks.input("state", args.state, n, p);
 ///     checks.output("out", args.out, n, p);      // args.out.data now is the stand-in's
@@ -44,8 +44,7 @@ class CheckedCall {
 public:
     static constexpr std::int64_t any_size = -1;
 
-    CheckedCall(const GuardRecord& record, const char* function, const plr_call& call)
-        : record_(record), function_(function), call_(call) {}
+    CheckedCall(const GuardRecord& record, const plr_call& call) : record_(record), call_(call) {}
 
     // What the call is given. Views whose data are NULL are not given and are passed over.
 
@@ -114,7 +113,6 @@ private:
     void check_covariance(const Output& output, std::int64_t item) const;
 
     const GuardRecord& record_;
-    const char* function_;
     const plr_call& call_;
     std::int64_t items_ = 0;
     std::uint64_t scratch_used_ = 0;

@@ -112,6 +112,7 @@ template <> struct GuardedFunction<&plr_extent::gate> {
         void returned(plr_status) const noexcept {}
         void look() const {
             const plr_view& distance = given.squared_distance;
+            if (distance.data == nullptr) return;
             for (std::int64_t item = 0; item < given.predicted.count; ++item)
                 for (std::int64_t k = given.scan.offsets[item]; k < given.scan.offsets[item + 1]; ++k)
                     if (std::isnan(distance.data[k * distance.item_stride]) && checks.item_counts(item) &&

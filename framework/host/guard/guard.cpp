@@ -2,7 +2,6 @@
 
 #include <cstring>
 #include <map>
-#include <string_view>
 
 #include <pelorus/abi/abi.h>
 

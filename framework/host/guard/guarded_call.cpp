@@ -36,4 +36,20 @@ plr_status tell_broken_contract(const GuardRecord& record, const char* function,
     });
 }
 
+void name_failure(const GuardRecord& record, const char* function, const plr_call* call, plr_status status) noexcept {
+    if (call == nullptr || call->error == nullptr) return;
+    plr_error& error = *call->error;
+    plr_error unused = empty_error();  // without memory for it, the message stays as it was told
+    guarded(unused, [&]() -> plr_status {
+        std::string text = one_line(error.message, sizeof error.message);
+        const std::string tree = record.address.substr(0, record.address.find('.') + 1);
+        if (text.compare(0, tree.size(), tree) == 0) return PLR_OK;
+        if (text.empty()) text = "failed without telling why";
+        const plr_status silent = status < 0 ? status : plr_status{PLR_E_NUMERIC};
+        const plr_status code = error.code != PLR_OK ? error.code : silent;
+        error.code = PLR_OK;  // tell() keeps what was told first
+        return tell(&error, code, record.call_name(function) + ": " + text, one_line(error.where, sizeof error.where));
+    });
+}
+
 }  // namespace pelorus::host

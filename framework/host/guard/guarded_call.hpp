@@ -59,6 +59,10 @@ plr_status forward(const GuardRecord& record, const char* function, const plr_ca
 plr_status tell_broken_contract(const GuardRecord& record, const char* function, const plr_call& call,
                                 const BrokenContract& broken) noexcept;
 
+/// Puts the part's address, plugin and function before what it told of a failure, unless a part below has told it. What reaches the
+/// user by way of holders then says where it comes from.
+void name_failure(const GuardRecord& record, const char* function, const plr_call* call, plr_status status) noexcept;
+
 /// Bytes of an argument struct as its maker knows it.
 template <class Args> std::size_t size_of(const Args& args) noexcept { return args.struct_size; }
 inline std::size_t size_of(const plr_view&) noexcept { return sizeof(plr_view); }
@@ -71,7 +75,7 @@ plr_status checked(const GuardRecord& record, const plr_call& call, const Args& 
     bool threw = false, called = false;
     plr_status status = PLR_OK;
     try {
-        CheckedCall checks(record, Guarded::name, call);
+        CheckedCall checks(record, call);
         Guarded::declare(checks, record.sizes, args);
         typename Guarded::Kept kept(record, given, args, checks);
         checks.begin();
@@ -108,10 +112,13 @@ plr_status guarded_entry(const void* self, const plr_call* call, const Args* arg
     // Arguments of a holder that was built with later headers than this host may hold what the guard cannot follow.
     const bool is_known = call != nullptr && args != nullptr && call->struct_size >= sizeof(plr_call) &&
                           size_of(*args) >= sizeof(std::uint64_t) && size_of(*args) <= sizeof(Args);
-    if (is_known && record->is_to_check(Guarded::index)) return checked<Function>(*record, *call, *args, real);
     bool threw = false;
-    return forward(*record, Guarded::name, call, threw,
-                   [&] { return (real_table<Table>(*record).*Function)(self, call, args); });
+    const plr_status status = is_known && record->is_to_check(Guarded::index)
+                                  ? checked<Function>(*record, *call, *args, real)
+                                  : forward(*record, Guarded::name, call, threw,
+                                            [&] { return (real_table<Table>(*record).*Function)(self, call, args); });
+    if (status != PLR_OK) name_failure(*record, Guarded::name, call, status);
+    return status;
 }
 
 /// Puts the guard's entry into the place of a function that the real table has.

@@ -1,8 +1,6 @@
 /// What the guard knows of each kind of model: one file a kind.
 #pragma once
 
-#include <string_view>
-
 #include "host/guard/record.hpp"
 
 namespace pelorus::host {

@@ -83,12 +83,16 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     newest_ = std::max(newest_.value_or(scan_time_), scan_time_);
 }
 
-/// A run without a single track ends well, but hardly as it was meant to.
+/// A run without a single confirmed track ends well, but hardly as it was meant to.
 void PointTargetTracker::finish(const pelorus::Event&) {
-    if (next_id_ != 1 || log_ == nullptr || PLR_LOG_WARNING < log_->level) return;
-    const std::string line = step_ == 0 ? "no scan came, so no track was started"
-                                        : "no track was started: none of " + std::to_string(step_) +
-                                              " scans had a measurement that could start one";
+    if (confirmed_ != 0 || log_ == nullptr || PLR_LOG_WARNING < log_->level) return;
+    std::string line = "no scan came, so no track was started";
+    if (next_id_ != 1)
+        line = "no track was confirmed: " + std::to_string(next_id_ - 1) +
+               " were started, and none was hit often enough; do motion, noise and maximum_speed fit the data?";
+    else if (step_ != 0)
+        line =
+            "no track was started: none of " + std::to_string(step_) + " scans had a measurement that could start one";
     log_->write(log_->context, PLR_LOG_WARNING, line.c_str());
 }
 
@@ -239,6 +243,7 @@ void PointTargetTracker::settle() {
             if (track.confirmed() || (track.hits >= start_confirm && track.has_record))
                 track.status = PLR_TRACK_CONFIRMED;
             outcome.changed = track.status != before;
+            if (before == PLR_TRACK_TENTATIVE && track.confirmed()) ++confirmed_;
         } else {
             settle_miss(t);
         }

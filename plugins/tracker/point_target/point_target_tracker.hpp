@@ -38,6 +38,7 @@ public:
     void finish(const pelorus::Event& event);
     void on_values(const pelorus::Event& event, const plr_values& values);
 
+    static constexpr std::uint32_t state_version = 2;
     template <class Archive> void state(Archive& archive) {
         std::uint64_t record_size = models_.record_size();
         std::uint32_t record_version = models_.record_version();
@@ -46,7 +47,7 @@ public:
             throw pelorus::Failure(PLR_E_STATE_VERSION, "saved tracks have records of another estimator (version " +
                                                             std::to_string(record_version) + ", this one has " +
                                                             std::to_string(models_.record_version()) + ")");
-        archive(tracks_, next_id_, step_, newest_, next_sweep_, models_.caller());
+        archive(tracks_, next_id_, step_, confirmed_, newest_, next_sweep_, models_.caller());
     }
 
 private:
@@ -103,6 +104,7 @@ private:
     // state
     TrackStore tracks_;
     std::uint64_t next_id_ = 1, step_ = 0;
+    std::uint64_t confirmed_ = 0;                      // tracks that were, ever
     std::optional<std::int64_t> newest_, next_sweep_;  // ns
 };
 

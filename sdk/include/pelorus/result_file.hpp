@@ -89,7 +89,11 @@ public:
         for (std::size_t left = buffer_.size(); left > 0;) {
             const ssize_t written = ::write(descriptor_, at, left);
             if (written < 0 && errno == EINTR) continue;
-            if (written < 0) fail("cannot write", part(), errno);
+            if (written < 0) {
+                const int reason = errno;
+                buffer_.erase(0, buffer_.size() - left);  // or a later try would write the first part twice
+                fail("cannot write", part(), reason);
+            }
             fingerprint_ = continue_fingerprint(fingerprint_, at, static_cast<std::size_t>(written));
             size_ += static_cast<std::uint64_t>(written);
             at += written;
@@ -163,20 +167,31 @@ private:
         std::filesystem::create_directories(file.parent_path(), failure);
         if (failure) fail("cannot make the folder of", path(), failure.value());
         const std::filesystem::path from = size_ > 0 ? find_bytes() : std::filesystem::path();
-        const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-        if (opened < 0) fail("cannot write", file, errno);
-        descriptor_ = opened;
-        if (::flock(opened, LOCK_EX | LOCK_NB) != 0) {
-            ::close(opened);
-            descriptor_ = -1;  // or finish() would put what is buffered into the other one's file
+        descriptor_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+        if (descriptor_ < 0) fail("cannot write", file, errno);
+        const std::uint64_t size = size_, fingerprint = fingerprint_;
+        try {
+            prepare(file, from);
+        } catch (...) {
+            ::close(descriptor_);
+            descriptor_ = -1;  // or finish() would complete what was not prepared, perhaps somebody else's file
+            size_ = size;
+            fingerprint_ = fingerprint;
+            buffer_.clear();
+            throw;
+        }
+    }
+
+    /// Gives the opened file the bytes written so far, which stand in `from` (empty: nowhere, there are none).
+    void prepare(const std::filesystem::path& file, const std::filesystem::path& from) {
+        if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
             throw IoError("cannot write " + file.string() +
                           ": somebody else is writing it (another sink, another run)");
-        }
         if (from.empty() || from == file) {
-            if (::ftruncate(opened, static_cast<off_t>(size_)) != 0) fail("cannot write", file, errno);
-            if (::lseek(opened, 0, SEEK_END) < 0) fail("cannot write", file, errno);
+            if (::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) fail("cannot write", file, errno);
+            if (::lseek(descriptor_, 0, SEEK_END) < 0) fail("cannot write", file, errno);
         } else {
-            if (::ftruncate(opened, 0) != 0) fail("cannot write", file, errno);
+            if (::ftruncate(descriptor_, 0) != 0) fail("cannot write", file, errno);
             copy(from);
         }
     }

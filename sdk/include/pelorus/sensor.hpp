@@ -9,8 +9,8 @@
 ///         Noise noise(const Query& query, const Look& look) const;
 ///     };
 ///
-/// Optional members: `static constexpr std::uint32_t flags`; with PLR_SENSOR_CAN_INVERT: `static constexpr int inverse_size`,
-/// `Space inverse_space() const` and `Inverse invert(const Measurement&, const Noise&, const Look&) const`; with
+/// Optional members: `static constexpr std::uint32_t flags`; with PLR_SENSOR_CAN_INVERT and a 4th template argument, the number of
+/// components that a measurement determines (`Sensor<Mine, 3, 4, 2>`; else C): `Space inverse_space() const` and `Inverse invert(const Measurement&, const Noise&, const Look&) const`; with
 /// PLR_SENSOR_WAVEFORM: `Space waveform_space() const`; `Measurement residual(const Measurement&, const Measurement&) const`
 /// (by default angles, as marked in the space, are wrapped); `const void* extension(const char*) const`.
 /// All of them [worker, concurrent] [hot]. Throw NumericError to fail one item.

@@ -153,8 +153,8 @@ private:
     void agree(const Layout& layout) {
         if (axes_ == 0) axes_ = layout.axes;
         if (axes_ != layout.axes)
-            throw DataError(std::string(layout.what) + " have positions on " + std::to_string(layout.axes) +
-                            " axes, what came before on " + std::to_string(axes_));
+            throw ArgumentError(std::string(layout.what) + " have positions on " + std::to_string(layout.axes) +
+                                " axes, what came before on " + std::to_string(axes_));
     }
     static void put(std::vector<Sample>& to, Sample sample) {
         const auto same = std::find_if(to.begin(), to.end(), [&](const Sample& s) { return s.id == sample.id; });

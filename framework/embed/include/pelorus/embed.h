@@ -6,7 +6,7 @@
  *
  * Threads: [any] may be called by any thread at any time. [exclusive] by any thread, but one at a time for each pipeline (and what
  * belongs to it); a second one is refused, not blocked. Different pipelines know nothing of each other. From within a
- * callback of this library, no function of it may be called but those that are [any].
+ * callback of this library, nothing of it may be called but pelorus_stop and the functions that tell versions.
  *
  * Errors: a function answers PLR_OK or what went wrong: a plr_status (<pelorus/abi/status.h>) or one of PELORUS_E_...
  * `error` may be NULL; otherwise the caller sets its struct_size, and every call overwrites it: code, item, one line. The whole text,
@@ -106,7 +106,8 @@ PELORUS_API plr_status pelorus_open(const char* file, const pelorus_options* opt
 /* [any] The same from a text. `name` stands for the file in messages, `base` is the folder that its paths are relative to. */
 PELORUS_API plr_status pelorus_open_text(const char* text, const char* name, const char* base,
                                          const pelorus_options* options, pelorus_pipeline** out, plr_error* error);
-/* [exclusive] Ends the pipeline and its subscriptions. It does not finish it: files of sinks that were not finished stay
+/* [any] Ends the pipeline and its subscriptions, whose handles are gone with it. A call that is under way on another thread is ended as by
+ * pelorus_stop and waited for; none may begin any more. It does not finish the pipeline: files of sinks that were not finished stay
  * incomplete. NULL: nothing happens. */
 PELORUS_API void pelorus_close(pelorus_pipeline* pipeline);
 
@@ -231,7 +232,7 @@ PELORUS_API plr_status pelorus_diagnostic(pelorus_pipeline* pipeline, uint32_t i
 /* ---- Snapshots ---- */
 
 /* [exclusive] Writes the state of the whole graph, messages under way included, in pieces to `writer`. Messages that wait in
- * subscriptions are not part of it: they have left the graph. */
+ * subscriptions are not part of it: they have left the graph. PLR_E_UNSUPPORTED: a node cannot tell its state; the pipeline goes on. */
 PELORUS_API plr_status pelorus_snapshot(pelorus_pipeline* pipeline, const plr_writer* writer, plr_error* error);
 /* [exclusive] Takes a snapshot of the same config over, into a pipeline that has not begun. PLR_E_DATA: it is damaged, or of another
  * config, seed or plugin; nothing has changed then. Where a plugin refuses its own part, the line says so, and the pipeline is broken. */

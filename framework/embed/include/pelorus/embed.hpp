@@ -199,7 +199,10 @@ public:
     }
     Pipeline(Pipeline&& other) noexcept : raw_(std::exchange(other.raw_, nullptr)) {}
     Pipeline& operator=(Pipeline&& other) noexcept {
-        std::swap(raw_, other.raw_);
+        if (this != &other) {
+            pelorus_close(raw_);
+            raw_ = std::exchange(other.raw_, nullptr);
+        }
         return *this;
     }
     ~Pipeline() { pelorus_close(raw_); }
