@@ -59,10 +59,14 @@ Sequencer::Flow* Sequencer::flow_of(const Key& key) {
     const auto found = flows_.find(key);
     if (found != flows_.end()) return &found->second;
     if (flows_.size() >= settings_.maximum_senders) {
+        // What has ended makes room, and earlier starts of the same sender do: it may be restarted as often as it likes.
         auto oldest = flows_.end();
         for (auto at = flows_.begin(); at != flows_.end(); ++at)
-            if (at->second.ended && (oldest == flows_.end() || at->second.heard < oldest->second.heard)) oldest = at;
+            if ((at->second.ended || at->first.first == key.first) &&
+                (oldest == flows_.end() || at->second.heard < oldest->second.heard))
+                oldest = at;
         if (oldest == flows_.end()) return nullptr;
+        while (!oldest->second.held.empty()) give_up_next(oldest->first, oldest->second);
         waiting_bytes_ -= oldest->second.bytes();
         flows_.erase(oldest);
     }

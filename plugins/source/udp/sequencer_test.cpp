@@ -186,6 +186,19 @@ TEST_CASE("A frame of more measurements than allowed is never held in memory", "
     CHECK(o.sequencer.counts().incomplete == 1);
 }
 
+TEST_CASE("A sender that is restarted again and again without an end goes on being heard, and another one is refused",
+          "[source.udp]") {
+    OrderSettings s = settings();
+    s.late = Late::keep;  // their clocks are not the point
+    Ordered o(s);
+    CHECK(o.push(0, 0, "radar"));
+    for (std::uint64_t session = 1; session < 10; ++session) CHECK(o.push(session, 0, "mast", session));
+    CHECK_FALSE(o.push(0, 0, "stranger"));
+    CHECK(o.push(1, 0, "radar"));
+    o.sequencer.flush();
+    CHECK(o.taken().size() == 11);
+}
+
 TEST_CASE("Frames that are short on the wire are held back only as far as memory goes", "[source.udp]") {
     OrderSettings s = settings();
     s.reorder_datagrams = 64;
