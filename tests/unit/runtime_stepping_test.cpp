@@ -196,7 +196,7 @@ TEST_CASE("an observer sees what a port publishes, in order, and changes nothing
     CHECK(fed.sink->lines == unseen.sink->lines);
 }
 
-TEST_CASE("a failure in a step ends the run; sinks are finished and what was told stays", "[stepping]") {
+TEST_CASE("a failure in a step ends the run, sinks are finished and what was told stays", "[stepping]") {
     Graph graph;
     auto sink = std::make_shared<Recorder>("sink");
     graph.add("world", "source", std::make_shared<Ticker>(second, 4), {}, {scans});

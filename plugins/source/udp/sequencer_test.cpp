@@ -269,7 +269,7 @@ TEST_CASE("Late datagrams that leave holes in a wide gap are told apart only as 
     CHECK(o.sequencer.counts().late + o.sequencer.counts().duplicate == 4999);
 }
 
-TEST_CASE("Senders and their sessions have numbers of their own; a sender that has long been sending is joined",
+TEST_CASE("Senders and their sessions have numbers of their own, and a sender that has long been sending is joined",
           "[source.udp]") {
     Ordered o(settings());
     o.push(0), o.push(0, 0, "mast", 1);
