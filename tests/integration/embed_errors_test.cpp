@@ -53,7 +53,8 @@ TEST_CASE("libpelorus: a refused config tells all that is wrong, a line each") {
     pelorus_pipeline* pipeline = nullptr;
     CHECK(pelorus_open("/nowhere/at/all.yaml", nullptr, &pipeline, &error) == PELORUS_E_CONFIG);
     CHECK(error.code == PELORUS_E_CONFIG);
-    CHECK(std::string(error.message) == "/nowhere/at/all.yaml: there is no such file; there is no folder /nowhere/at either");
+    CHECK(std::string(error.message) ==
+          "/nowhere/at/all.yaml: there is no such file; there is no folder /nowhere/at either");
     CHECK(std::string(error.message) == pelorus_error_text());
     CHECK(pipeline == nullptr);
 }
@@ -159,8 +160,7 @@ TEST_CASE("libpelorus: a wrong scan is refused in one line and counted, and the 
     CHECK(pipeline.push("radar.scans", scan.message(5'000'000'000)).ok());
     status = pipeline.push("radar.scans", scan.message(4'000'000'000));
     CHECK(status.code() == PELORUS_E_LATE);
-    CHECK(status.text() ==
-          "radar.scans: the message arrives at 4 s, but the graph has come to 5 s");
+    CHECK(status.text() == "radar.scans: the message arrives at 4 s, but the graph has come to 5 s");
     CHECK(counters(pipeline, "radar")["late_refused"] == 1);
     CHECK(pipeline.finish().ok());
     for (const pelorus::Status& after :
