@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "../fixtures/temporary_folder.hpp"
+#include "../support/line_match.hpp"
 #include "../support/process.hpp"
 
 namespace pelorus::test {
@@ -99,17 +100,8 @@ std::string without_places(std::string text, const TemporaryFolder& folder) {
     return std::regex_replace(text, stamp, "$1");
 }
 
-/// Whether a line is what the catalogue says, where ${ANY} stands for any text.
-bool fits(const std::string& line, const std::string& pattern) {
-    static const std::string any = "${ANY}";
-    const std::size_t hole = pattern.find(any);
-    if (hole == std::string::npos) return line == pattern;
-    if (line.compare(0, hole, pattern, 0, hole) != 0) return false;
-    const std::string rest = pattern.substr(hole + any.size());
-    for (std::size_t at = hole; at <= line.size(); ++at)
-        if (fits(line.substr(at), rest)) return true;
-    return false;
-}
+/// ${ANY} stands for any text.
+bool fits(const std::string& line, const std::string& pattern) { return line_matches(pattern, line, "${ANY}"); }
 
 std::vector<std::string> lines_of(const std::string& text) {
     std::vector<std::string> lines;

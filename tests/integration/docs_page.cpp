@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "../fixtures/temporary_folder.hpp"
+#include "../support/line_match.hpp"
 #include "../support/markdown.hpp"
 #include "../support/process.hpp"
 #include "docs_fragment.hpp"
@@ -23,14 +24,9 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
+/// `...` stands for any text.
 bool line_matches(const std::string& expected, const std::string& printed) {
-    const std::size_t gap = expected.find("...");
-    if (gap == std::string::npos) return expected == printed;
-    if (printed.compare(0, gap, expected, 0, gap) != 0) return false;
-    const std::string rest = expected.substr(gap + 3);
-    for (std::size_t from = gap; from <= printed.size(); ++from)
-        if (line_matches(rest, printed.substr(from))) return true;
-    return false;
+    return pelorus::test::line_matches(expected, printed, "...");
 }
 
 bool lines_match(const Lines& expected, std::size_t i, const Lines& printed, std::size_t j) {
