@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Commands that the design names and this version does not have.
-const std::vector<std::string> later_commands = {"conform", "report", "compare"};
+const std::vector<std::string> later_commands = {"report", "compare"};
 
 const Command* find_command(const std::string& name) {
     const auto found =
@@ -111,8 +111,8 @@ int dispatch(const std::vector<std::string>& words) {
 }  // namespace
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> all = {run_command(), check_command(),  list_command(),      inspect_command(),
-                                             new_command(), schema_command(), completion_command()};
+    static const std::vector<Command> all = {run_command(), check_command(),   list_command(),   inspect_command(),
+                                             new_command(), conform_command(), schema_command(), completion_command()};
     return all;
 }
 

@@ -25,6 +25,7 @@ Command inspect_command();
 Command new_command();
 Command schema_command();
 Command completion_command();
+Command conform_command();
 
 /// In the order in which help lists them.
 const std::vector<Command>& commands();

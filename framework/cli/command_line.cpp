@@ -105,7 +105,8 @@ CommandLine CommandLine::parse(const std::string& command, const Grammar& gramma
     for (const Flag& flag : grammar.flags)
         if (!flag.repeats && line.values(flag.name).size() > 1)
             refuse(fmt::format("{}: --{} is given more than once", command, flag.name));
-    const std::size_t wanted = grammar.arguments.size();
+    const bool has_none = !grammar.without_arguments.empty() && line.has(grammar.without_arguments);
+    const std::size_t wanted = has_none ? 0 : grammar.arguments.size();
     if (line.arguments_.size() < wanted)
         refuse(fmt::format("{}: {} is missing; usage: {}", command, grammar.arguments[line.arguments_.size()],
                            usage(command, grammar)));

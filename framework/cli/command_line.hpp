@@ -24,6 +24,7 @@ struct Grammar {
     std::vector<std::string> arguments;  ///< `CONFIG`; each is required
     std::vector<Flag> flags;
     std::vector<AbsentFlag> absent;
+    std::string without_arguments = {};  ///< a flag with which no argument is wanted, or ""
 };
 
 class CommandLine {

@@ -1,0 +1,96 @@
+// pelorus-conform: the conformance suites, in an executable of their own, because they watch what plugins ask of the C library by
+// standing before it. `pelorus conform` starts it.
+#include <cstdlib>
+#include <fstream>
+
+#include "cli/config_flags.hpp"
+#include "cli/conform_grammar.hpp"
+#include "cli/output.hpp"
+#include "conform/suite_host.hpp"
+#include "conformance/machine/runner.hpp"
+
+namespace {
+
+using namespace pelorus;
+using conformance::Options;
+
+constexpr std::uint64_t deepest_level = 5, most_jobs = 256, longest_limit = 3600;
+
+Options read_options(const cli::CommandLine& line) {
+    Options options;
+    std::error_code ignored;
+    options.library = std::filesystem::absolute(line.argument(0), ignored);
+    if (!std::filesystem::exists(options.library, ignored))
+        throw Error(Exit::misuse, line.argument(0) + ": there is no such file");
+    options.kinds = line.values("kind");
+    options.only = line.values("only");
+    options.level = static_cast<int>(line.number("level", 3, deepest_level));
+    if (options.level < 1) throw Error(Exit::misuse, "--level: expected 1 to 5, got 0");
+    options.seed = line.number("seed", 1, UINT64_MAX);
+    options.jobs = static_cast<unsigned>(line.number("jobs", 0, most_jobs));
+    options.time_limit = static_cast<double>(line.number("time-limit", 20, longest_limit));
+    options.is_quiet = line.has("quiet");
+    options.json = line.value("json");
+    options.junit = line.value("junit");
+    if (line.has("subjects")) options.subjects = std::filesystem::absolute(line.value("subjects"), ignored);
+    for (const char* flag : {"seed", "subjects", "plugins"})
+        for (const std::string& value : line.values(flag)) {
+            options.repeat.push_back(std::string("--") + flag);
+            options.repeat.push_back(value);
+        }
+    return options;
+}
+
+void write_to(const std::filesystem::path& file, const std::string& text) {
+    if (file.empty()) return;
+    if (file == "-") return cli::print(text);
+    std::ofstream stream(file, std::ios::binary);
+    stream << text;
+    stream.close();
+    if (!stream) throw Error(Exit::run_failed, file.string() + ": cannot be written");
+}
+
+int answer(const cli::CommandLine& line) {
+    if (line.wants_help()) {
+        cli::print("pelorus-conform is started by `pelorus conform`; see: pelorus help conform\n");
+        return 0;
+    }
+    if (line.has("list")) {
+        const std::string json = line.value("json");
+        if (json.empty())
+            cli::print(conformance::text_list());
+        else
+            write_to(json, conformance::json_list());
+        return 0;
+    }
+    const Options options = read_options(line);
+    host::Catalog catalog(cli::plugin_folders(line));
+    const conform::SuiteHost host(catalog);
+    conformance::Report report;
+    try {
+        report = conformance::run_checks(host, options);
+    } catch (const conformance::Refused& refused) {
+        throw Error(Exit::misuse, refused.what());
+    }
+    write_to(options.json, conformance::json_report(report));
+    write_to(options.junit, conformance::junit_report(report));
+    if (options.json != "-" && options.junit != "-") cli::print(conformance::text_report(report, options.is_quiet));
+    return static_cast<int>(report.is_well() ? Exit::done : Exit::run_failed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    cli::prepare_streams();
+    try {
+        return answer(cli::CommandLine::parse("conform", cli::conform_grammar(), {argv + 1, argv + argc}));
+    } catch (const cli::OutputClosed&) {
+        return static_cast<int>(Exit::run_failed);
+    } catch (const Error& problem) {
+        cli::tell(problem.what());
+        return static_cast<int>(problem.exit());
+    } catch (const std::exception& problem) {
+        cli::tell(std::string("unexpected error: ") + problem.what());
+        return static_cast<int>(Exit::run_failed);
+    }
+}

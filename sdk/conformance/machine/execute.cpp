@@ -1,0 +1,172 @@
+// One call of a model, made with memory that watches the plugin.
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <memory>
+
+#include <catch2/catch.hpp>
+
+#include "guarded_memory.hpp"
+#include "hot_call.hpp"
+#include "library.hpp"
+
+namespace pelorus::conformance {
+
+namespace {
+
+std::size_t at(std::int64_t index) noexcept { return static_cast<std::size_t>(index); }
+
+/// One argument in memory, laid out as the options ask.
+class Placed {
+public:
+    Placed(const Argument& argument, std::int64_t count, const std::string& function, const ExecuteOptions& options,
+           bool is_input)
+        : argument_(argument), count_(count) {
+        matrices_ = !argument.offsets.empty() ? argument.offsets[at(count)]
+                    : argument.is_common      ? std::min<std::int64_t>(1, count)
+                                              : count;
+        size_ = argument.rows * argument.cols;
+        stride_ = size_ + options.gap;
+        row_stride_ = options.transposed ? argument.cols : 1;
+        col_stride_ = options.transposed ? 1 : argument.rows;
+        const std::int64_t doubles = matrices_ == 0 ? 0 : (matrices_ - 1) * stride_ + size_;
+        if (options.is_guarded) {
+            guarded_.emplace(at(doubles), ZoneName{function, argument.name});
+            data_ = guarded_->data();
+        } else {
+            plain_.assign(at(doubles), GuardedMemory::pattern());
+            data_ = plain_.data();
+        }
+        if (!is_input) return;
+        for (std::int64_t m = 0; m < matrices_; ++m)
+            for (std::int64_t e = 0; e < size_; ++e)
+                data_[offset(m, e % argument.rows, e / argument.rows)] = argument.values[at(m * size_ + e)];
+        if (guarded_) guarded_->make_read_only();
+    }
+
+    plr_view view() const {
+        if (argument_.is_absent) return {nullptr, 0, 0, 0, 0, 0, 0};
+        const bool ragged = !argument_.offsets.empty();
+        return {data_,
+                argument_.rows,
+                argument_.cols,
+                ragged ? matrices_ : count_,
+                row_stride_,
+                col_stride_,
+                argument_.is_common ? 0 : stride_};
+    }
+    plr_const_view const_view() const {
+        const plr_view v = view();
+        return {v.data, v.rows, v.cols, v.count, v.row_stride, v.col_stride, v.item_stride};
+    }
+
+    /// What the call wrote, packed; and what it wrote where it should not have.
+    std::vector<double> collect(std::vector<std::string>& stray) const {
+        std::vector<double> packed(at(matrices_ * size_));
+        for (std::int64_t m = 0; m < matrices_; ++m) {
+            for (std::int64_t e = 0; e < size_; ++e)
+                packed[at(m * size_ + e)] = data_[offset(m, e % argument_.rows, e / argument_.rows)];
+            if (m + 1 == matrices_) continue;
+            for (std::int64_t g = size_; g < stride_; ++g)
+                if (!GuardedMemory::is_pattern(data_[m * stride_ + g]))
+                    stray.push_back("`" + argument_.name + "`: written " + std::to_string(g - size_ + 1) +
+                                    " doubles past item " + std::to_string(m) + ", between two items");
+        }
+        if (guarded_ && !guarded_->is_intact_before())
+            stray.push_back("`" + argument_.name + "`: written before its first element");
+        return packed;
+    }
+
+private:
+    std::int64_t offset(std::int64_t matrix, std::int64_t row, std::int64_t col) const noexcept {
+        return matrix * stride_ + row * row_stride_ + col * col_stride_;
+    }
+    const Argument& argument_;
+    std::int64_t count_, matrices_ = 0, size_ = 0, stride_ = 0, row_stride_ = 1, col_stride_ = 1;
+    std::optional<GuardedMemory> guarded_;
+    std::vector<double> plain_;
+    double* data_ = nullptr;
+};
+
+/// Scratch memory of exactly the size that info asks for, aligned to 64 bytes, with a guard page behind it.
+class ScratchMemory {
+public:
+    ScratchMemory(std::uint64_t bytes, const std::string& function)
+        : rounded_((bytes + 63) / 64 * 64), memory_(rounded_ / sizeof(double), ZoneName{function, "scratch memory"}) {
+        scratch_ = {reinterpret_cast<unsigned char*>(memory_.data()), rounded_, 0};
+    }
+    plr_scratch* get() noexcept { return &scratch_; }
+
+private:
+    std::uint64_t rounded_;
+    GuardedMemory memory_;
+    plr_scratch scratch_{};
+};
+
+std::string exception_text() {
+    try {
+        throw;
+    } catch (const std::exception& exception) {
+        return std::string("a std::exception: ") + exception.what();
+    } catch (...) {
+        return "an exception that is no std::exception";
+    }
+}
+
+}  // namespace
+
+Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOptions& options) {
+    std::deque<Placed> in, out;
+    Views views;
+    std::deque<std::vector<std::int64_t>> offsets;
+    for (const Argument& argument : hot.in) {
+        in.emplace_back(argument, hot.count, hot.function, options, true);
+        views.in.push_back(in.back().const_view());
+        offsets.push_back(argument.offsets);
+        views.offsets.push_back(argument.offsets.empty() ? nullptr : offsets.back().data());
+    }
+    for (const Argument& argument : hot.out) {
+        out.emplace_back(argument, hot.count, hot.function, options, false);
+        views.out.push_back(out.back().view());
+    }
+    Execution done;
+    done.error = empty_error();
+    done.items.assign(options.without_item_status ? 0 : at(hot.count), PLR_OK);
+    ScratchMemory scratch(scratch_bytes(instance), hot.function);
+    std::vector<plr_key> keys;
+    for (std::int64_t i = 0; i < hot.count; ++i) {
+        const std::uint64_t id = options.item_ids.empty() ? static_cast<std::uint64_t>(i) : options.item_ids[at(i)];
+        keys.push_back({{0x5DEECE66Du + id, 0xB5297A4Du}});
+    }
+    const std::vector<double>& inputs = options.inputs.empty() ? instance.inputs() : options.inputs;
+    plr_call call{};
+    call.struct_size = sizeof call;
+    call.time = 1'000'000'000;
+    call.item_ids = options.item_ids.empty() ? nullptr : options.item_ids.data();
+    call.keys = keys.data();
+    call.inputs = inputs.empty() ? nullptr : inputs.data();
+    call.scratch = scratch.get();
+    call.error = &done.error;
+    call.item_status = options.without_item_status ? nullptr : done.items.data();
+    watch::Guard guard(options.watch);
+    try {
+        done.status = hot.invoke(call, views);
+        done.offence = guard.end();
+    } catch (...) {
+        done.offence = guard.end();
+        done.left_by = exception_text();
+    }
+    done.scratch_left_used = scratch.get()->used;
+    for (const Placed& placed : out) done.out.push_back(placed.collect(done.stray));
+    return done;
+}
+
+Execution execute_well(const Instance& instance, const HotCall& call, const ExecuteOptions& options) {
+    Execution done = execute(instance, call, options);
+    if (!done.left_by.empty()) FAIL(call.function << " was left by " << done.left_by);
+    if (done.status == PLR_ITEMS_FAILED && call.may_refuse) return done;
+    if (done.status != PLR_OK) FAIL(call.function << " answered " << done.told());
+    return done;
+}
+
+}  // namespace pelorus::conformance

@@ -1,0 +1,11 @@
+/// What becomes of a signal in a child: a fault in guarded memory is a broken promise with a name; any other is a crash.
+#pragma once
+
+namespace pelorus::conformance {
+
+/// The handlers write an outcome to the descriptor and end the process.
+void install_fault_handler(int descriptor);
+/// Shown with the fault; must stay alive.
+void set_subject_of_fault(const char* title) noexcept;
+
+}  // namespace pelorus::conformance

@@ -1,0 +1,77 @@
+#include "services.hpp"
+
+#include <cstdio>
+
+namespace pelorus::conformance {
+
+Services::Services(const Host& host) : host_services_(host) {}
+Services::~Services() = default;
+
+const plr_host* Services::host() {
+    // Made anew each time: what is withheld or grown may have changed since.
+    log_ = {sizeof log_, PLR_LOG_TRACE, this, [](void* self, std::int32_t, const char* text) {
+                auto& services = *static_cast<Services*>(self);
+                const std::lock_guard<std::mutex> lock(services.mutex_);
+                services.log.emplace_back(text);
+            }};
+    diagnostics_ = {static_cast<std::uint32_t>(sizeof diagnostics_) + extra_struct_bytes, 0, this,
+                    [](void* self, const char* name, std::int64_t by) {
+                        auto& services = *static_cast<Services*>(self);
+                        const std::lock_guard<std::mutex> lock(services.mutex_);
+                        services.counters[name] += by;
+                    },
+                    [](void*, const char*, const char*, double) {}};
+    publish_ = {static_cast<std::uint32_t>(sizeof publish_) + extra_struct_bytes, 0, this, &publish};
+    output_ = {static_cast<std::uint32_t>(sizeof output_) + extra_struct_bytes, 0, this, [](void* self) -> const char* {
+                   const auto& folder = static_cast<Services*>(self)->output_folder;
+                   return folder.empty() ? nullptr : folder.c_str();
+               }};
+    host_ = {static_cast<std::uint32_t>(sizeof host_) + extra_struct_bytes,
+             PLR_ABI_MAJOR,
+             abi_minor,
+             "conformance",
+             this,
+             &service};
+    return &host_;
+}
+
+const void* Services::service(const plr_host* host, const char* id) noexcept {
+    auto& self = *static_cast<Services*>(host->context);
+    const std::string wanted = id == nullptr ? "" : id;
+    const std::lock_guard<std::mutex> lock(self.mutex_);
+    self.asked_for.insert(wanted);
+    if (self.withheld.count(wanted) != 0 || self.withheld.count("*") != 0) return nullptr;
+    if (wanted == PLR_SERVICE_LOG) return &self.log_;
+    if (wanted == PLR_SERVICE_DIAGNOSTICS) return &self.diagnostics_;
+    if (wanted == PLR_SERVICE_PUBLISH) return &self.publish_;
+    if (wanted == PLR_SERVICE_OUTPUT) return &self.output_;
+    if (wanted == PLR_SERVICE_RANDOM) return &self.host_services_.random();
+    if (wanted == PLR_SERVICE_FRAMES) return &self.host_services_.frames();
+    if (wanted == PLR_SERVICE_PARALLEL) {
+        if (!self.parallel_ || self.parallel_->service().threads != self.threads)
+            self.parallel_ = self.host_services_.threads(self.threads);
+        return &self.parallel_->service();
+    }
+    return nullptr;
+}
+
+plr_status Services::publish(void* context, std::uint32_t port, const plr_message* message, plr_error* error) noexcept {
+    auto& self = *static_cast<Services*>(context);
+    const auto refuse = [&](plr_status status, const std::string& why) {
+        self.refused_messages.push_back(why);
+        if (error != nullptr && error->code == PLR_OK) {
+            error->code = status;
+            std::snprintf(error->message, sizeof error->message, "publish: %s", why.c_str());
+        }
+        return status;
+    };
+    if (!self.allows_publishing) return refuse(PLR_E_UNSUPPORTED, "only from within receive, emit or finish");
+    try {
+        self.published.push_back({port, self.host_services_.copy(*message)});
+        return PLR_OK;
+    } catch (const std::exception& refused) {
+        return refuse(PLR_E_ARGUMENT, refused.what());
+    }
+}
+
+}  // namespace pelorus::conformance

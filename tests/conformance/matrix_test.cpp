@@ -1,0 +1,155 @@
+// The suites prove themselves: every check has a saboteur that it catches, while all checks that do not rest on it pass, and a
+// near-miss that all let pass.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "support/process.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using pelorus::test::run;
+
+const fs::path saboteurs = PELORUS_SABOTEURS;
+
+Json listed_checks() {
+    const auto listed = run({PELORUS_CONFORM, "--list", "--json=-"});
+    REQUIRE(listed.exit == 0);
+    return Json::parse(listed.out);
+}
+
+/// Names of the checks that rest on one, directly or not.
+std::set<std::string> dependents_of(const Json& checks, const std::string& name) {
+    std::set<std::string> found{name};
+    for (std::size_t before = 0; before != found.size();) {
+        before = found.size();
+        for (const Json& check : checks)
+            for (const Json& needed : check["prerequisites"])
+                if (found.count(needed) != 0) found.insert(check["name"].get<std::string>());
+    }
+    found.erase(name);
+    return found;
+}
+
+/// The report of a library: levels 1 to 3 and, beyond them, the check itself.
+Json reported(const fs::path& library, const Json& check) {
+    std::vector<Json> reports;
+    std::vector<std::string> words{PELORUS_CONFORM, library.string(), "--json=-", "--jobs=1"};
+    const fs::path subjects = fs::path(PELORUS_SABOTEUR_SUBJECTS) / (check["name"].get<std::string>() + ".yaml");
+    if (fs::exists(subjects)) words.push_back("--subjects=" + subjects.string());
+    Json all = Json::parse(run(words).out)["checks"];
+    if (check["level"] > 3) {
+        words.push_back("--only=" + check["name"].get<std::string>());
+        for (const Json& more : Json::parse(run(words).out)["checks"])
+            if (more["level"] > 3) all.push_back(more);
+    }
+    return all;
+}
+
+std::string told(const Json& result) {
+    std::string text = result["name"].get<std::string>() + ": " + result["verdict"].get<std::string>();
+    for (const Json& message : result["messages"]) text += "\n  " + message.get<std::string>();
+    if (result.contains("reason")) text += "\n  " + result["reason"].get<std::string>();
+    return text;
+}
+
+bool is_bad(const Json& result) {
+    return result["verdict"] == "fail" || result["verdict"] == "crash" || result["verdict"] == "hang";
+}
+
+void try_saboteur(const Json& checks, const Json& check) {
+    const std::string name = check["name"];
+    const std::set<std::string> dependents = dependents_of(checks, name);
+    bool is_caught = false;
+    for (const Json& result : reported(saboteurs / (name + ".so"), check)) {
+        INFO(told(result));
+        const std::string each = result["name"];
+        if (each == name) {
+            is_caught = is_caught || is_bad(result);
+            CHECK(is_bad(result));
+            if (is_bad(result)) CHECK_FALSE(result["messages"].empty());
+        } else if (dependents.count(each) != 0) {
+            CHECK(result["verdict"] == "skipped");
+        } else {
+            CHECK_FALSE(is_bad(result));
+        }
+    }
+    CHECK(is_caught);
+}
+
+void try_near_miss(const Json& check) {
+    bool is_tried = false;
+    for (const Json& result : reported(saboteurs / (check["name"].get<std::string>() + ".near.so"), check)) {
+        INFO(told(result));
+        CHECK_FALSE(is_bad(result));
+        is_tried = is_tried || (result["name"] == check["name"] && result["verdict"] != "skipped");
+    }
+    CHECK(is_tried);
+}
+
+/// One case a group, so that they run side by side.
+void try_group(const std::string& group) {
+    const Json checks = listed_checks();
+    for (const Json& check : checks) {
+        if (check["group"] != group) continue;
+        DYNAMIC_SECTION(check["name"].get<std::string>()) {
+            try_saboteur(checks, check);
+            try_near_miss(check);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("Every conformance check has a saboteur and a near-miss") {
+    std::set<std::string> names;
+    for (const Json& check : listed_checks()) {
+        const std::string name = check["name"];
+        CAPTURE(name);
+        CHECK(names.insert(name).second);
+        CHECK(fs::exists(saboteurs / (name + ".so")));
+        CHECK(fs::exists(saboteurs / (name + ".near.so")));
+        CHECK_FALSE(check["law"].get<std::string>().empty());
+    }
+    CHECK(names.size() >= 70);
+    for (const auto& entry : fs::directory_iterator(saboteurs)) {
+        if (entry.path().extension() != ".so") continue;
+        const std::string name = entry.path().stem().stem().string();
+        CAPTURE(name);
+        CHECK(names.count(name) == 1);
+    }
+}
+
+TEST_CASE("A conformance check rests on checks of no higher level that are there") {
+    const Json checks = listed_checks();
+    std::map<std::string, int> levels;
+    for (const Json& check : checks) levels[check["name"]] = check["level"];
+    for (const Json& check : checks)
+        for (const Json& needed : check["prerequisites"]) {
+            CAPTURE(check["name"], needed);
+            REQUIRE(levels.count(needed) == 1);
+            CHECK(levels[needed] <= check["level"]);
+        }
+}
+
+#define SABOTEUR_GROUP(group) \
+    TEST_CASE("Saboteurs of the group " group " are caught by their check alone") { try_group(group); }
+SABOTEUR_GROUP("library")
+SABOTEUR_GROUP("every")
+SABOTEUR_GROUP("model")
+SABOTEUR_GROUP("stage")
+SABOTEUR_GROUP("motion")
+SABOTEUR_GROUP("sensor")
+SABOTEUR_GROUP("estimator")
+SABOTEUR_GROUP("extent")
+SABOTEUR_GROUP("partitioner")
+SABOTEUR_GROUP("trajectory")
+SABOTEUR_GROUP("source")
+SABOTEUR_GROUP("tracker")
+SABOTEUR_GROUP("analyzer")
+SABOTEUR_GROUP("sink")
