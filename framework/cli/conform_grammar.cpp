@@ -18,6 +18,7 @@ const Grammar& conform_grammar() {
                      {"subjects", "FILE",
                       "what is tried, in YAML: titles, each with `use`, `with` and `parts` as in a "
                       "config; else the defaults and each single choice"},
+                     {"names", "", "only tell the names of the checks that would be made, a line each"},
                      {"json", "FILE", "write the report as JSON (`-`: to standard output)"},
                      {"junit", "FILE", "write it as JUnit XML"},
                      {"quiet", "", "tell what failed, and the sum, alone"},

@@ -68,6 +68,10 @@ int answer(const cli::CommandLine& line) {
     const conform::SuiteHost host(catalog);
     conformance::Report report;
     try {
+        if (line.has("names")) {
+            cli::print(conformance::selected_names(host, options));
+            return static_cast<int>(Exit::done);
+        }
         report = conformance::run_checks(host, options);
     } catch (const conformance::Refused& refused) {
         throw Error(Exit::misuse, refused.what());

@@ -42,7 +42,11 @@ Json reported(const fs::path& library, const Json& check) {
     std::vector<std::string> words{PELORUS_CONFORM, library.string(), "--json=-", "--jobs=1"};
     const fs::path subjects = fs::path(PELORUS_SABOTEUR_SUBJECTS) / (check["name"].get<std::string>() + ".yaml");
     if (fs::exists(subjects)) words.push_back("--subjects=" + subjects.string());
-    Json all = Json::parse(run(words).out)["checks"];
+    const pelorus::test::Ended ended = run(words);
+    INFO(library.string() << ": " << ended.err);
+    REQUIRE(fs::exists(library));
+    REQUIRE_FALSE(ended.out.empty());
+    Json all = Json::parse(ended.out)["checks"];
     if (check["level"] > 3) {
         words.push_back("--only=" + check["name"].get<std::string>());
         for (const Json& more : Json::parse(run(words).out)["checks"])

@@ -49,6 +49,14 @@ public:
         return results;
     }
 
+    std::string names() const {
+        std::string text;
+        std::set<std::string> told;
+        for (const Job& job : jobs_)
+            if (told.insert(job.check->name).second) text += std::string(job.check->name) + "\n";
+        return text;
+    }
+
 private:
     void plan() {
         std::vector<ManifestEntry> plugins = host_.manifests(options_.library);
@@ -207,6 +215,8 @@ bool Report::is_well() const {
         return verdict == Verdict::fail || verdict == Verdict::crash || verdict == Verdict::hang;
     });
 }
+
+std::string selected_names(const Host& host, const Options& options) { return Run(host, options).names(); }
 
 Report run_checks(const Host& host, const Options& options) {
     const auto start = std::chrono::steady_clock::now();

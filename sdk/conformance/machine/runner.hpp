@@ -43,6 +43,9 @@ struct Report {
 /// Throws Refused where nothing can be tried: no such file, no such check, no plugin of that kind.
 Report run_checks(const Host& host, const Options& options);
 
+/// Names of the checks that run_checks would make, a line each. Throws Refused like it.
+std::string selected_names(const Host& host, const Options& options);
+
 /// Names of what a check rests on, its group's common prerequisites included.
 std::vector<std::string> prerequisites_of(const Check& check);
 
