@@ -41,7 +41,8 @@ const HelpRows& overview_examples() {
         {"pelorus inspect configs/airship.yaml", "what it is made of, and what flows through it"},
         {"pelorus list --kind motion", "which motion models there are"},
         {"pelorus inspect ID", "what one of them does and takes"},
-        {"pelorus new motion drag", "begin a motion model of your own in ./drag"}};
+        {"pelorus new motion drag", "begin a motion model of your own in ./drag"},
+        {"pelorus conform build/motion/drag.so", "whether it keeps the contract and the laws of its kind"}};
     return rows;
 }
 

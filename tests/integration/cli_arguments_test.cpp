@@ -67,13 +67,15 @@ TEST_CASE("unknown commands and flags are refused with the nearest right one") {
 }
 
 TEST_CASE("what later versions bring is refused by name") {
-    for (const std::string command : {"conform", "report", "compare"})
+    for (const std::string command : {"report", "compare"})
         check_refused({command, "x"}, command + ": not in this version");
     check_refused({"run", "c.yaml", "--runs", "5"}, "--runs comes with campaigns, which are not in this version");
     check_refused({"run", "c.yaml", "--variant=koch"}, "--variant comes with campaigns");
 }
 
 TEST_CASE("arguments that are missing, superfluous or malformed are refused") {
+    check_refused({"conform"}, "LIB.so is missing");
+    check_refused({"conform", "--list", "x.so"}, "unexpected argument 'x.so'");
     check_refused({"run"}, "CONFIG is missing");
     check_refused({"run", "a.yaml", "b.yaml"}, "unexpected argument 'b.yaml'");
     check_refused({"run", "a.yaml", "--out"}, "--out");

@@ -70,6 +70,8 @@ Words for_placeholder(const std::string& placeholder, const UnfinishedLine& line
     if (placeholder == "KIND") return kinds();
     if (placeholder == "LEVEL") return {"trace", "debug", "info", "warning", "error"};
     if (placeholder == "MODE") return {"off", "start", "all"};
+    if (placeholder == "1..5") return {"1", "2", "3", "4", "5"};
+    if (placeholder == "LIB.so") return {":files .so"};
     if (placeholder == "SHELL") return {"bash"};
     if (placeholder == "ID|LIB.so|CONFIG") {
         Words found = ids(line);
