@@ -177,6 +177,16 @@ TEST_CASE("every plugin and every header has its page in the generated reference
     }
 }
 
+TEST_CASE("every check of the conformance suites is in the generated list, with its law") {
+    const std::string text = read_file(generated / "conformance.md");
+    const Json checks = Json::parse(pelorus_command({"conform", "--list", "--json=-"}).out);
+    REQUIRE(checks.size() >= 70);
+    for (const Json& check : checks) {
+        CHECK_THAT(text, Catch::Contains("| `" + check["name"].get<std::string>() + "` |"));
+        CHECK_THAT(text, Catch::Contains(check["law"].get<std::string>()));
+    }
+}
+
 TEST_CASE("the tables of parameters in the plugins' pages agree with the plugins") {
     for (const Json& listed : answer({"list"})) {
         const auto id = listed["id"].get<std::string>();

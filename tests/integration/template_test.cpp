@@ -1,5 +1,5 @@
 // Every kind of project that `pelorus new` makes: built out of tree against the installed SDK alone, put into a plugin folder,
-// run by a config that names it, while the host stays what it was.
+// run by a config that names it, while the host stays what it was; and the conformance suites find nothing wrong with it.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -29,6 +29,15 @@ bool provenance_names(const ProjectBuild& project, const std::string& id) {
     return false;
 }
 
+void check_conformance(const ProjectBuild& project) {
+    std::vector<std::string> words{"conform", (project.plugins() / "mine.so").string(), "--quiet"};
+    const auto subjects = project.folder() / "conformance.yaml";
+    if (std::filesystem::exists(subjects)) words.push_back("--subjects=" + subjects.string());
+    const Ended ended = pelorus_command(words);
+    CAPTURE(ended.out, ended.err);
+    CHECK(ended.exit == 0);
+}
+
 ProjectBuild check_kind(const std::string& kind, const Figure& figure) {
     const std::string id = "org.example." + kind + ".mine", host_before = host_sha256();
     const ProjectBuild project(kind, "mine");
@@ -43,6 +52,7 @@ ProjectBuild check_kind(const std::string& kind, const Figure& figure) {
         CHECK(value_of(project, figure.name) <= figure.most);
     }
     CHECK(host_sha256() == host_before);
+    check_conformance(project);
 
     const Ended inspected = pelorus_command({"inspect", id, "--plugins", project.plugins().string()});
     CHECK(inspected.exit == 0);
