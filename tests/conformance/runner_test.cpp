@@ -1,6 +1,7 @@
 // The runner as its users meet it: `pelorus conform`, its reports, its exit codes; and that no plugin is left out.
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -99,4 +100,63 @@ TEST_CASE("pelorus conform refuses what cannot be tried with one line and exit c
     refuses({singer, "--kind", "sensor"}, "none of its plugins is of kind sensor");
     refuses({singer, "--level", "6"}, "--level");
     refuses({}, "LIB.so is missing");
+}
+
+namespace {
+
+/// The report on the zoo's motion, which commits a misdeed in propagate.
+Json report_on_misdeed(const std::string& misdeed, const std::vector<std::string>& flags = {}) {
+    const pelorus::test::TemporaryFolder folder;
+    const std::string subjects = folder.write(
+        "subjects.yaml", "misdeed: {use: org.example.motion.zoo, with: {fault: " + misdeed + ", call: propagate}}\n");
+    std::vector<std::string> words{
+        "conform", PELORUS_TEST_PLUGINS "/zoo_motion.so", "--subjects", subjects, "--only", "numbers-finite",
+        "--json=-"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const Ended ended = pelorus_command(words);
+    CAPTURE(ended.out, ended.err);
+    CHECK(ended.exit == 1);
+    return Json::parse(ended.out);
+}
+
+Json result_of(const Json& report, const std::string& check) {
+    for (const Json& result : report["checks"])
+        if (result["name"] == check) return result;
+    FAIL("the report lacks " << check);
+    return {};
+}
+
+std::string messages_of(const Json& result) {
+    std::string text;
+    for (const Json& message : result["messages"]) text += message.get<std::string>() + "\n";
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("A plugin that crashes in a check is a verdict, with signal, subject and place") {
+    for (const auto& [misdeed, words] : std::map<std::string, std::string>{
+             {"segfault", "SIGSEGV"}, {"overflow", "SIGSEGV"}, {"abort", "SIGABRT"}, {"terminate", "SIGABRT"}}) {
+        CAPTURE(misdeed);
+        const Json result = result_of(report_on_misdeed(misdeed), "numbers-finite");
+        const std::string told = messages_of(result);
+        CAPTURE(told);
+        CHECK(result["verdict"] == "crash");
+        CHECK(told.find(words) != std::string::npos);
+        CHECK(told.find("with {misdeed}") != std::string::npos);
+        CHECK(told.find("zoo.hpp:") != std::string::npos);
+    }
+}
+
+TEST_CASE("A plugin that does not come back hangs, and the other checks go on") {
+    const Json report = report_on_misdeed("hangs", {"--time-limit", "1", "--only", "instance-is-made"});
+    CHECK(result_of(report, "numbers-finite")["verdict"] == "hang");
+    CHECK(messages_of(result_of(report, "numbers-finite")).find("within 1 s") != std::string::npos);
+    CHECK(result_of(report, "instance-is-made")["verdict"] == "pass");
+}
+
+TEST_CASE("An exception that leaves a call is a failure with its words") {
+    const Json result = result_of(report_on_misdeed("throws"), "numbers-finite");
+    CHECK(result["verdict"] == "fail");
+    CHECK(messages_of(result).find("propagate was left by a std::exception: boom") != std::string::npos);
 }

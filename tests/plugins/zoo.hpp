@@ -21,6 +21,7 @@ enum class Fault {
     overflow,
     abort,
     terminate,
+    hangs,
     nan,
     infinite,
     beyond,
@@ -48,6 +49,7 @@ template <class T> void describe(pelorus::Describe<T>& plugin) {
                   {"overflow", "of the stack"},
                   {"abort", "as assert does"},
                   {"terminate", "an exception leaves a noexcept function"},
+                  {"hangs", "never comes back"},
                   {"nan", "in the first element of the output"},
                   {"infinite", "likewise"},
                   {"beyond", "writes one element after the output"},
@@ -97,6 +99,10 @@ inline void misbehave(Fault fault) {
             std::abort();
         case Fault::terminate:
             throw_through_noexcept();
+            break;
+        case Fault::hangs:
+            for (volatile bool goes_on = true; goes_on;) {
+            }
             break;
         default:
             break;
