@@ -103,7 +103,8 @@ PELORUS_CHECK(motion, "motion-zero-step-is-identity", 3,
 }
 
 PELORUS_CHECK(motion, "motion-jacobian-is-derivative", 3,
-              "jacobian is the derivative of propagate; a filter with another one diverges without a word.", {}) {
+              "jacobian is the derivative of propagate; a filter with another one diverges without a word.",
+              {"motion-points-equal-singles"}) {
     MotionTrial trial(bench);
     const MotionItems items = trial.draw(batch);
     const Eigen::MatrixXd x = states_of(items);

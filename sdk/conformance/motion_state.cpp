@@ -142,8 +142,9 @@ PELORUS_CHECK(motion, "motion-record-advances-in-place", 3,
     const MotionItems items = trial.draw(batch);
     Eigen::VectorXd dt(batch);
     for (Eigen::Index i = 0; i < batch; ++i) dt(i) = trial.sample.step();
+    const MotionItems later = trial.draw(batch);  // a posterior other than the one that the record remembers
     const HotCall apart =
-        motion_calls::advance_record(*trial.instance, steps(dt), items.state, items.covariance, items.record);
+        motion_calls::advance_record(*trial.instance, steps(dt), later.state, later.covariance, items.record);
     HotCall in_place = apart;
     in_place.in.pop_back();
     in_place.invoke = [&](const plr_call& context, const Views& v) {

@@ -82,6 +82,7 @@ private:
         for (const ManifestEntry& plugin : plugins)
             for (const Check& check : checks())
                 if (concerns(check, plugin.kind) && is_selected(check, wanted)) add(check, plugin.id, plugin.kind);
+        find_needs();
         for (const std::string& name : options_.only)
             if (std::none_of(jobs_.begin(), jobs_.end(), [&](const Job& job) { return name == job.check->name; }))
                 throw Refused(fmt::format("{}: check {} concerns {} plugins, and the library has none",
@@ -107,13 +108,16 @@ private:
     }
 
     void add(const Check& check, const std::string& plugin, const std::string& kind) {
-        Job job{&check, plugin, kind, {}, {}, false};
-        for (const std::string& name : prerequisites_of(check))
-            for (std::size_t i = 0; i < jobs_.size(); ++i)
-                if (name == jobs_[i].check->name && (jobs_[i].plugin.empty() || jobs_[i].plugin == plugin))
-                    job.needs.push_back(i);
-        jobs_.push_back(std::move(job));
+        jobs_.push_back({&check, plugin, kind, {}, {}, false});
         is_started_.push_back(false);
+    }
+    /// Once all are there: a check may stand before what it rests on.
+    void find_needs() {
+        for (Job& job : jobs_)
+            for (const std::string& name : prerequisites_of(*job.check))
+                for (std::size_t i = 0; i < jobs_.size(); ++i)
+                    if (name == jobs_[i].check->name && (jobs_[i].plugin.empty() || jobs_[i].plugin == job.plugin))
+                        job.needs.push_back(i);
     }
 
     void start_what_can(ProcessPool& pool) {

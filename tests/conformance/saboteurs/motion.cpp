@@ -1,4 +1,7 @@
-// Nearly constant velocity in three dimensions, with what a motion may do wrong.
+// Nearly constant velocity in three dimensions, with what a linear motion may do wrong.
+#include <cmath>
+#include <cstring>
+
 #include <pelorus/pelorus.hpp>
 
 #include "defect.h"
@@ -24,11 +27,34 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
             .min(0)
             .doc("spectral density of the acceleration");
     }
-    std::vector<double> priors() const { return {1e5, 100.0}; }
-    Block transition(double dt) const { return (Block() << 1, dt, 0, 1).finished(); }
+    std::vector<double> priors() const {
+        if (DEFECT("motion-spaces-well-formed")) return {1e5, 0.0};
+        if (NEAR_MISS("motion-spaces-well-formed")) return {1e5, 1e-9};
+        return {1e5, 100.0};
+    }
+    Block transition(double dt) const {
+        if (DEFECT("motion-zero-step-is-identity") && dt == 0) dt = 1e-3;
+        if (NEAR_MISS("motion-zero-step-is-identity") && dt == 0) dt = 1e-12;
+        if (DEFECT("motion-backward-undoes-forward")) dt = std::abs(dt);
+        if (NEAR_MISS("motion-backward-undoes-forward") && dt < 0) dt *= 1 + 1e-9;
+        double reach = dt;
+        if (DEFECT("motion-steps-compose")) reach += 0.01 * dt * dt;
+        if (NEAR_MISS("motion-steps-compose")) reach += 1e-9 * dt * dt;
+        return (Block() << 1, reach, 0, 1).finished();
+    }
     Block noise_block(double dt) const {
         const double t = std::abs(dt);
-        return intensity * (Block() << t * t * t / 3, dt * t / 2, dt * t / 2, t).finished();
+        double position = t * t * t / 3;
+        if (DEFECT("motion-noise-composes")) position = t * t * t / 2;
+        if (NEAR_MISS("motion-noise-composes")) position *= 1 + 1e-10;
+        if (DEFECT("motion-steps-long-and-short")) position = (std::pow(1 + t, 3) - 1 - 3 * t - 3 * t * t) / 3;
+        if (NEAR_MISS("motion-steps-long-and-short") && t < 1e-6) position *= 1 - 1e-10;
+        return intensity * (Block() << position, dt * t / 2, dt * t / 2, t).finished();
+    }
+    State propagate(const State& x, const pelorus::Step& step) const {
+        State y = Base::propagate(x, step);
+        if (NEAR_MISS("motion-linear-means-linear")) y(0) *= 1 + 1e-13;
+        return y;
     }
     Transition noise(const Posterior& posterior, const pelorus::Step& step) const {
         Transition q = Base::noise(posterior, step);
@@ -37,7 +63,73 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
         return q;
     }
     Transition jacobian(const State& x, const pelorus::Step& step) const { return Base::jacobian(x, step); }
-    const void* extension(const char*) const noexcept { return nullptr; }
+
+    const void* extension(const char* id) const noexcept {
+        static constexpr plr_motion_noise_factor half{sizeof(plr_motion_noise_factor), 6, &factor_entry};
+        static constexpr plr_motion_structure structure{sizeof(plr_motion_structure), 2, 3, 0, &blocks_entry};
+        if (std::strcmp(id, PLR_MOTION_STRUCTURE) == 0) return &structure;
+        if (std::strcmp(id, PLR_MOTION_NOISE_FACTOR) == 0 && offers_factor()) return &half;
+        return nullptr;
+    }
+
+    static const plr_motion& table() noexcept {
+        static const plr_motion made = [] {
+            plr_motion table = Base::table();
+            if (DEFECT("motion-table-agrees-with-info")) table.init_record = &init_record_entry;
+            table.noise = &noise_entry;
+            return table;
+        }();
+        return made;
+    }
+
+private:
+    static bool offers_factor() noexcept {
+        return DEFECT("motion-noise-factor-agrees") || NEAR_MISS("motion-noise-factor-agrees") ||
+               NEAR_MISS("motion-table-agrees-with-info");  // as many columns as states
+    }
+    static const Saboteur& of(const void* self) noexcept { return *static_cast<const Saboteur*>(self); }
+    static plr_status init_record_entry(const void*, const plr_call*, const plr_motion_record*) noexcept {
+        return PLR_OK;
+    }
+    static plr_status noise_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
+        const plr_status status = Base::table().noise(self, call, args);
+        const bool is_bad = DEFECT("motion-constant-noise-is-constant");
+        if (!(is_bad || NEAR_MISS("motion-constant-noise-is-constant")) || args->state.data == nullptr) return status;
+        for (std::int64_t i = 0; i < args->out.count; ++i) {
+            const State x = pelorus::load<6, 1>(args->state, i);
+            const double growth = 1 + (is_bad ? 1e-4 : 1e-16) * std::abs(x(3));
+            Transition q = pelorus::load<6, 6>(pelorus::as_const(args->out), i);
+            q *= growth;
+            pelorus::store<6, 6>(args->out, i, q);
+        }
+        return status;
+    }
+    static plr_status blocks_entry(const void* self, const plr_call* call, double dt, double* f1, double* q1) noexcept {
+        return pelorus::guarded(call->error, [&] {
+            Block f = of(self).transition(dt);
+            if (DEFECT("motion-structure-agrees")) f.transposeInPlace();  // row by row
+            if (NEAR_MISS("motion-structure-agrees")) f(0, 1) *= 1 + 1e-14;
+            const Block q = of(self).noise_block(dt);
+            std::copy_n(f.data(), 4, f1);
+            std::copy_n(q.data(), 4, q1);
+        });
+    }
+    static plr_status factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
+        return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
+            const Block q = of(self).noise_block(args->dt.data[i * args->dt.item_stride]);
+            Block g = Block::Zero();
+            g(0, 0) = std::sqrt(q(0, 0));
+            g(1, 0) = q(0, 0) > 0 ? q(1, 0) / g(0, 0) : 0.0;
+            g(1, 1) = std::sqrt(std::max(0.0, q(1, 1) - g(1, 0) * g(1, 0)));
+            if (DEFECT("motion-noise-factor-agrees")) g.transposeInPlace();
+            if (NEAR_MISS("motion-noise-factor-agrees")) g.col(0) = -g.col(0);  // any factor will do
+            Transition full = Transition::Zero();
+            for (int r = 0; r < 2; ++r)
+                for (int c = 0; c < 2; ++c)
+                    for (int axis = 0; axis < 3; ++axis) full(r * 3 + axis, c * 3 + axis) = g(r, c);
+            pelorus::store<6, 6>(args->out, i, full);
+        });
+    }
 };
 
 }  // namespace
