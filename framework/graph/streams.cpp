@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "graph/contract.hpp"
+#include "host/breadcrumb.hpp"
 #include "host/description.hpp"
 #include "host/plugin_error.hpp"
 
@@ -165,6 +166,8 @@ private:
         const std::string label = node.name + "." + port_name(node, is_output, port) + ": ";
         plr_error error = host::empty_error();
         const plr_status status = host::guarded(error, [&] {
+            const std::string name = port_name(node, is_output, port);
+            const host::Breadcrumb crumb({node.name.c_str(), node.description().id, "port_type", name.c_str()});
             return node.stage().port_type(node.instance.self, is_output ? 1 : 0, static_cast<std::uint32_t>(port),
                                           &type, &error);
         });

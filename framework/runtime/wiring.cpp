@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/breadcrumb.hpp"
 #include "host/description.hpp"
+#include "host/plugin_error.hpp"
 
 namespace pelorus::runtime {
 namespace {
@@ -28,14 +30,15 @@ std::vector<Wiring::Port> ports_of(const plr_port* first, std::uint32_t count) {
 void ask_streams(const Wiring::Node& node, bool is_output, std::uint32_t index, Wiring::Port& port) {
     plr_port_type type{};
     type.struct_size = sizeof type;
-    plr_error error{};
-    error.struct_size = sizeof error;
-    const plr_status status =
-        stage_functions(node.instance).port_type(node.instance.self, is_output ? 1 : 0, index, &type, &error);
+    plr_error error = host::empty_error();
+    const plr_status status = host::guarded(error, [&] {
+        const host::Breadcrumb crumb({node.name.c_str(), node.plugin.c_str(), "port_type", port.name.c_str()});
+        return stage_functions(node.instance).port_type(node.instance.self, is_output ? 1 : 0, index, &type, &error);
+    });
     if (status != PLR_OK)
         throw Error(Exit::run_failed,
                     fmt::format("node {} ({}), {} port {}: {}", node.name, node.plugin, is_output ? "out" : "in",
-                                port.name, *error.message ? error.message : "it does not say what it carries"));
+                                port.name, host::error_text(status, error)));
     for (std::uint32_t i = 0; type.streams && i < type.stream_count; ++i)
         port.streams.push_back(host::element(type.streams, i));
     port.passes_on = type.passes_on;
