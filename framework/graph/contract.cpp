@@ -8,6 +8,7 @@
 #include "graph/units.hpp"
 #include "host/description.hpp"
 #include "host/plugin_error.hpp"
+#include "host/scratch.hpp"
 
 namespace pelorus::graph {
 
@@ -61,6 +62,9 @@ public:
         graph::need(answer->struct_size >= sizeof(Info),
                     "info: a struct_size of " + std::to_string(answer->struct_size) + " bytes, expected at least " +
                         std::to_string(sizeof(Info)));
+        graph::need(answer->scratch_bytes <= host::most_scratch_of_a_model,
+                    "info: scratch_bytes is " + std::to_string(answer->scratch_bytes) + ", expected at most " +
+                        std::to_string(host::most_scratch_of_a_model));
         return *answer;
     }
 

@@ -12,13 +12,13 @@
 #include "host/breadcrumb.hpp"
 #include "host/error.hpp"
 #include "host/plugin_error.hpp"
+#include "host/scratch.hpp"
 #include "host/services.hpp"
 
 namespace pelorus::host {
 
 namespace {
 
-constexpr std::size_t scratch_bytes = std::size_t{4} << 20;
 constexpr std::size_t scratch_alignment = 64;
 constexpr std::int64_t no_block = std::numeric_limits<std::int64_t>::max();
 

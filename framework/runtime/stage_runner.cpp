@@ -9,6 +9,7 @@
 #include "host/breadcrumb.hpp"
 #include "host/kinds.hpp"
 #include "host/plugin_error.hpp"
+#include "host/scratch.hpp"
 #include "runtime/message_copy.hpp"
 #include "runtime/time_text.hpp"
 
@@ -28,14 +29,14 @@ plr_status append(void* context, const void* bytes, std::uint64_t size, plr_erro
 
 }  // namespace
 
-Scratch::Scratch() : memory_(static_cast<unsigned char*>(::operator new (size, std::align_val_t{64}))) {}
+Scratch::Scratch() : memory_(static_cast<unsigned char*>(::operator new (host::scratch_bytes, std::align_val_t{64}))) {}
 
 void Scratch::Free::operator()(unsigned char* memory) const noexcept {
     ::operator delete (memory, std::align_val_t{64});
 }
 
 plr_scratch* Scratch::cleared() noexcept {
-    scratch_ = {memory_.get(), size, 0};
+    scratch_ = {memory_.get(), host::scratch_bytes, 0};
     return &scratch_;
 }
 

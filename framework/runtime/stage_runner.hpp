@@ -18,7 +18,6 @@ namespace pelorus::runtime {
 /// Scratch memory that stages use one after the other.
 class Scratch {
 public:
-    static constexpr std::size_t size = std::size_t{4} << 20;
     Scratch();
     /// All of it, empty.
     plr_scratch* cleared() noexcept;

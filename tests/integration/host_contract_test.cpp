@@ -18,8 +18,8 @@ using Catch::Contains;
 namespace {
 
 /// Two sources with events at the same times, one of which hears commands by a feedback edge; a tracker that publishes in receive
-/// and in finish; a sink. `tracker` stands in the tracker's `with`.
-std::string config(const std::string& tracker = "") {
+/// and in finish; a sink. `tracker` stands in the tracker's `with`, `motion` in its motion's.
+std::string config(const std::string& tracker = "", const std::string& motion = "") {
     return R"(pelorus: 1
 run: {seed: 3}
 graph:
@@ -36,7 +36,8 @@ graph:
            R"(}
     in: {scans: [other.scans, world.scans, third.scans]}
     parts:
-      motion: {use: org.example.motion.spy}
+      motion: {use: org.example.motion.spy, with: {)" +
+           motion + R"(}}
       sensor: {use: org.example.sensor.spy}
   files: {use: org.example.sink.spy, in: {scans: [world.scans], tracks: holder.tracks}}
 )";
@@ -184,6 +185,20 @@ TEST_CASE("parallel_for cuts the same blocks for any number of threads, and all 
     for (const auto& call :
          two.log.where([](const SpyLog::Call& c) { return !c.contains("first") && !c.contains("items"); }))
         CHECK(call["thread"] == two.log.calls().front()["thread"]);
+}
+
+TEST_CASE("a model has the scratch memory that it asks for, on every thread, or is refused", "[spy]") {
+    const TemporaryFolder folder;
+    const auto [ended, log] = run_spied(folder, "most", {"--threads", "2"}, config("", "scratch: 16777216"));
+    REQUIRE(ended.exit == 0);
+    log.check_contexts();
+    const Ended refused = pelorus_command({"check", folder.write("more.yaml", config("", "scratch: 16777217")),
+                                           "--plugins", PELORUS_BUILD_DIR "/fixtures/spy"});
+    CHECK(refused.exit == 2);
+    CHECK_THAT(refused.err,
+               Contains("more.yaml:") &&
+                   Contains("holder.motion: org.example.motion.spy breaks the contract: info: scratch_bytes is "
+                            "16777217, expected at most 16777216"));
 }
 
 TEST_CASE("pelorus check makes instances, asks their ports, and runs nothing", "[spy]") {

@@ -205,6 +205,9 @@ TEST_CASE("What an instance says of itself must make sense", "[graph][instances]
           "info: a struct_size of 8 bytes, expected at least 48");
     CHECK(with_motion_info([](plr_motion_info& info) { info.state = nullptr; }) ==
           "info: the state space is missing (NULL)");
+    CHECK(with_motion_info([](plr_motion_info& info) { info.scratch_bytes = 16u << 20; }) == "built");
+    CHECK(with_motion_info([](plr_motion_info& info) { info.scratch_bytes = (16u << 20) + 1; }) ==
+          "info: scratch_bytes is 16777217, expected at most 16777216");
     CHECK(with_motion_info([](plr_motion_info& info) { info.record_size = -1; }) == "info: a record_size of -1");
     CHECK(with_motion_info([](plr_motion_info& info) { info.record_size = 1; }) ==
           "its table has no function init_record, but a record");

@@ -173,7 +173,7 @@ TEST_CASE("Each thread has scratch of its own: aligned, large, empty at every bl
     std::set<unsigned char*> areas;
     const plr_status status =
         run(pool, 200, 1, [&](std::int64_t first, std::int64_t, plr_scratch& scratch, plr_error&) {
-            if (reinterpret_cast<std::uintptr_t>(scratch.data) % 64 != 0 || scratch.size < (std::uint64_t{4} << 20) ||
+            if (reinterpret_cast<std::uintptr_t>(scratch.data) % 64 != 0 || scratch.size < (std::uint64_t{16} << 20) ||
                 scratch.used != 0)
                 return PLR_E_SCRATCH;
             scratch.used = 1024;  // left raised, against the contract

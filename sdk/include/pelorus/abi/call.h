@@ -29,7 +29,7 @@ typedef struct plr_call {
   const double* inputs;     /* the inputs of all models of the holder's tree; a model reads from its own
                                plr_config.input_offset on. NULL: every input has its default */
   int64_t input_stride;     /* doubles from one item's inputs to the next one's; 0: common to all */
-  plr_scratch* scratch;     /* at least info.scratch_bytes free */
+  plr_scratch* scratch;     /* at least info.scratch_bytes free, which are 16 MiB at most */
   plr_error* error;         /* never NULL */
   plr_status* item_status;  /* [count], PLR_OK on entry, or NULL where the caller wants only the first failure */
   const plr_log* log;       /* or NULL */
