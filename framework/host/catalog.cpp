@@ -104,7 +104,7 @@ void Catalog::add(const std::filesystem::path& library) {
             plugins_.push_back(std::move(plugin));
             continue;
         }
-        clashes_.emplace(plugin.id, library);
+        if (!is_example(library)) clashes_.emplace(plugin.id, library);
         rejected_.push_back(
             {library, "its plugin " + plugin.id + " is in " + same->library.string() + " as well", {plugin.id}});
     }

@@ -64,7 +64,8 @@ public:
     explicit Catalog(std::vector<std::filesystem::path> folders);
 
     const std::vector<std::filesystem::path>& folders() const noexcept { return folders_; }
-    /// Sorted by id. Where two libraries have the same id, the one found first; load() of that id fails.
+    /// Sorted by id. Where two libraries have the same id, the one found first; load() of that id fails, unless the others are
+    /// examples (is_example).
     const std::vector<PluginFile>& plugins() const noexcept { return plugins_; }
     const std::vector<RejectedFile>& rejected() const noexcept { return rejected_; }
     /// The manifest of that id, or nullptr.

@@ -78,6 +78,10 @@ std::string why_unsafe(const fs::path& library) {
     return {};
 }
 
+bool is_example(const fs::path& library) {
+    return library.string().find("/lib/pelorus/examples/") != std::string::npos;
+}
+
 std::vector<fs::path> Catalog::default_folders(const std::vector<fs::path>& from_command_line) {
     std::vector<fs::path> folders;
     const auto add = [&folders](const fs::path& folder) {

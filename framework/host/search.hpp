@@ -18,4 +18,8 @@ std::vector<std::filesystem::path> find_libraries(const std::vector<std::filesys
 /// Why nobody should load this file, or "": whoever may write a library, or replace it, runs code in this process.
 std::string why_unsafe(const std::filesystem::path& library);
 
+/// Whether a library is the build tree's own build of an example of the SDK, in lib/pelorus/examples: it gives way to another
+/// library with the same plugin, so that whoever builds an example, to change it, need not remove that one.
+bool is_example(const std::filesystem::path& library);
+
 }  // namespace pelorus::host

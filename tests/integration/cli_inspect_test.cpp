@@ -50,7 +50,7 @@ struct Config {
 
 std::vector<std::string> shipped_ids() {
     std::vector<std::string> ids;
-    for (const Json& plugin : Json::parse(pelorus_command({"list", "--json"}).out)) ids.push_back(plugin["id"]);
+    for (const Json& plugin : Json::parse(shipped_command({"list", "--json"}).out)) ids.push_back(plugin["id"]);
     return ids;
 }
 

@@ -336,8 +336,9 @@ std::vector<std::string> documented_pages() {
     std::vector<std::string> pages = {"README.md"};
     for (const fs::directory_entry& entry : fs::directory_iterator(tree / "docs"))
         if (entry.path().extension() == ".md") pages.push_back("docs/" + entry.path().filename().string());
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / "plugins"))
-        if (entry.path().filename() == "README.md") pages.push_back(fs::relative(entry.path(), tree).string());
+    for (const char* folder : {"plugins", "sdk/examples"})
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / folder))
+            if (entry.path().filename() == "README.md") pages.push_back(fs::relative(entry.path(), tree).string());
     std::sort(pages.begin(), pages.end());
     return pages;
 }

@@ -61,7 +61,7 @@ std::vector<std::string> dead_links(const fs::path& folder) {
 
 Json answer(std::vector<std::string> arguments) {
     arguments.emplace_back("--json");
-    const Ended ended = pelorus_command(std::move(arguments));
+    const Ended ended = shipped_command(std::move(arguments));
     REQUIRE(ended.exit == 0);
     return Json::parse(ended.out);
 }

@@ -90,10 +90,22 @@ Ended run(const std::vector<std::string>& words, const ProcessOptions& options) 
     return Process(words, options).wait();
 }
 
-Ended pelorus_command(std::vector<std::string> arguments, ProcessOptions options) {
-    arguments.insert(arguments.begin(), PELORUS_EXECUTABLE);
+namespace {
+
+Ended command(const char* executable, std::vector<std::string> arguments, ProcessOptions options) {
+    arguments.insert(arguments.begin(), executable);
     options.environment.emplace("PELORUS_PLUGIN_PATH", "");
     return run(arguments, options);
+}
+
+}  // namespace
+
+Ended pelorus_command(std::vector<std::string> arguments, ProcessOptions options) {
+    return command(PELORUS_EXECUTABLE, std::move(arguments), std::move(options));
+}
+
+Ended shipped_command(std::vector<std::string> arguments, ProcessOptions options) {
+    return command(PELORUS_SHIPPED_EXECUTABLE, std::move(arguments), std::move(options));
 }
 
 Ended validate_configs(const std::filesystem::path& schema, const std::vector<std::string>& configs) {

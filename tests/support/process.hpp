@@ -48,6 +48,9 @@ Ended run(const std::vector<std::string>& words, const ProcessOptions& options =
 /// The command of this build, with no plugins but its own and those that the arguments name.
 Ended pelorus_command(std::vector<std::string> arguments, ProcessOptions options = {});
 
+/// The same command, which finds what an installation has: the plugins of this build without the examples of the SDK.
+Ended shipped_command(std::vector<std::string> arguments, ProcessOptions options = {});
+
 /// Checks configs against a schema that `pelorus schema` has written: exit code 0, or 1 and a line each for what is wrong.
 Ended validate_configs(const std::filesystem::path& schema, const std::vector<std::string>& configs);
 

@@ -174,6 +174,17 @@ TEST_CASE("Two libraries with one id: the first is listed, loading names both", 
                                fixture("twin_a").string()));
 }
 
+TEST_CASE("The build tree's own build of an example gives way to another one", "[host]") {
+    const TemporaryFolder folder;
+    folder.copy("twin_a", "lib/pelorus/examples/twin/twin.so");
+    const fs::path own = folder.path() / "lib/pelorus";
+    Catalog alone({own});
+    CHECK(error_of([&] { alone.load("motion.twin"); }).empty());
+    Catalog catalog({fixture("twin_b").parent_path(), own});
+    CHECK(catalog.load("motion.twin").file.library == fixture("twin_b"));
+    CHECK_THAT(reason_of(catalog, fs::canonical(own / "examples/twin/twin.so")), Contains("as well"));
+}
+
 TEST_CASE("One library found by several ways is no clash", "[host]") {
     const TemporaryFolder folder;
     folder.copy("good", "real/good.so");

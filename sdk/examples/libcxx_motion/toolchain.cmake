@@ -1,0 +1,3 @@
+# The other compiler and the other standard library: cmake -B build --toolchain toolchain.cmake ...
+set(CMAKE_CXX_COMPILER clang++)
+set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)
