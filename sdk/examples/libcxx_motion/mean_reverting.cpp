@@ -44,6 +44,7 @@ struct MeanReverting : pelorus::KroneckerMotion<MeanReverting, 2, 3> {
             .unit("1/s")
             .initially("0.05 1/s")
             .min(0.0)
+            .max(1000.0)
             .doc("K: the velocity fades by e^-KT; 0: not at all, which is motion at constant velocity");
         plugin.parameter("noise", &MeanReverting::density)
             .unit("m2/s3")
