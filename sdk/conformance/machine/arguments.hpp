@@ -58,9 +58,11 @@ inline Argument states(const std::string& name, const plr_space& space, Sample& 
 }
 
 inline Argument covariances(const std::string& name, const plr_space& space, Sample& sample, std::int64_t count) {
-    return input(name, space.size, space.size, count, [&](double* out, std::int64_t) {
+    Argument argument = input(name, space.size, space.size, count, [&](double* out, std::int64_t) {
         Eigen::Map<Eigen::MatrixXd>(out, space.size, space.size) = sample.covariance(space);
     });
+    argument.content = Content::covariance;
+    return argument;
 }
 
 /// An item of an argument, as a matrix.

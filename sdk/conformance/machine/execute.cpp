@@ -1,5 +1,6 @@
 // One call of a model, made with memory that watches the plugin.
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <deque>
 #include <memory>
@@ -16,6 +17,9 @@ namespace {
 
 std::size_t at(std::int64_t index) noexcept { return static_cast<std::size_t>(index); }
 
+/// Room behind arrays where nobody asks what is written past their end, in doubles.
+constexpr std::int64_t slack = 512;
+
 /// One argument in memory, laid out as the options ask.
 class Placed {
 public:
@@ -30,11 +34,12 @@ public:
         row_stride_ = options.transposed ? argument.cols : 1;
         col_stride_ = options.transposed ? 1 : argument.rows;
         const std::int64_t doubles = matrices_ == 0 ? 0 : (matrices_ - 1) * stride_ + size_;
-        if (options.is_guarded) {
+        is_null_ = count == 0 && options.is_null_if_empty;
+        if (options.is_guarded && (is_input || !options.has_slack)) {
             guarded_.emplace(at(doubles), ZoneName{function, argument.name});
             data_ = guarded_->data();
         } else {
-            plain_.assign(at(doubles), GuardedMemory::pattern());
+            plain_.assign(at(doubles + (is_input ? 0 : slack)), GuardedMemory::pattern());
             data_ = plain_.data();
         }
         if (!is_input) return;
@@ -47,12 +52,8 @@ public:
     plr_view view() const {
         if (argument_.is_absent) return {nullptr, 0, 0, 0, 0, 0, 0};
         const bool ragged = !argument_.offsets.empty();
-        return {data_,
-                argument_.rows,
-                argument_.cols,
-                ragged ? matrices_ : count_,
-                row_stride_,
-                col_stride_,
+        return {is_null_ ? nullptr : data_,       argument_.rows, argument_.cols,
+                ragged ? matrices_ : count_,      row_stride_,    col_stride_,
                 argument_.is_common ? 0 : stride_};
     }
     plr_const_view const_view() const {
@@ -86,20 +87,30 @@ private:
     std::optional<GuardedMemory> guarded_;
     std::vector<double> plain_;
     double* data_ = nullptr;
+    bool is_null_ = false;
 };
 
 /// Scratch memory of exactly the size that info asks for, aligned to 64 bytes, with a guard page behind it.
 class ScratchMemory {
 public:
-    ScratchMemory(std::uint64_t bytes, const std::string& function)
-        : rounded_((bytes + 63) / 64 * 64), memory_(rounded_ / sizeof(double), ZoneName{function, "scratch memory"}) {
-        scratch_ = {reinterpret_cast<unsigned char*>(memory_.data()), rounded_, 0};
+    ScratchMemory(std::uint64_t bytes, const std::string& function, const ExecuteOptions& options) {
+        const std::uint64_t rounded = (bytes + 63) / 64 * 64;
+        const std::size_t doubles = rounded / sizeof(double) + (options.has_slack ? at(slack) : 0);
+        if (options.is_guarded) {
+            guarded_.emplace(doubles, ZoneName{function, "scratch memory"});
+            scratch_.data = reinterpret_cast<unsigned char*>(guarded_->data());
+        } else {
+            plain_.resize(doubles * sizeof(double) + 64);
+            const auto address = reinterpret_cast<std::uintptr_t>(plain_.data());
+            scratch_.data = plain_.data() + (64 - address % 64) % 64;
+        }
+        scratch_.size = rounded;
     }
     plr_scratch* get() noexcept { return &scratch_; }
 
 private:
-    std::uint64_t rounded_;
-    GuardedMemory memory_;
+    std::optional<GuardedMemory> guarded_;
+    std::vector<unsigned char> plain_;
     plr_scratch scratch_{};
 };
 
@@ -132,7 +143,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     Execution done;
     done.error = empty_error();
     done.items.assign(options.without_item_status ? 0 : at(hot.count), PLR_OK);
-    ScratchMemory scratch(scratch_bytes(instance), hot.function);
+    ScratchMemory scratch(scratch_bytes(instance), hot.function, options);
     std::vector<plr_key> keys;
     for (std::int64_t i = 0; i < hot.count; ++i) {
         const std::uint64_t id = options.item_ids.empty() ? static_cast<std::uint64_t>(i) : options.item_ids[at(i)];
@@ -144,10 +155,13 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     call.time = 1'000'000'000;
     call.item_ids = options.item_ids.empty() ? nullptr : options.item_ids.data();
     call.keys = keys.data();
-    call.inputs = inputs.empty() ? nullptr : inputs.data();
+    call.inputs = inputs.empty() || options.without_inputs ? nullptr : inputs.data();
+    call.input_stride = options.input_stride;
+    call.item_offset = options.item_offset;
     call.scratch = scratch.get();
     call.error = &done.error;
     call.item_status = options.without_item_status ? nullptr : done.items.data();
+    const auto start = std::chrono::steady_clock::now();
     watch::Guard guard(options.watch);
     try {
         done.status = hot.invoke(call, views);
@@ -156,6 +170,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
         done.offence = guard.end();
         done.left_by = exception_text();
     }
+    done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     done.scratch_left_used = scratch.get()->used;
     for (const Placed& placed : out) done.out.push_back(placed.collect(done.stray));
     return done;

@@ -14,12 +14,6 @@
 
 namespace pelorus::conformance {
 
-namespace {
-
-int report_to = -1;
-const char* subject_title = "";
-alignas(64) unsigned char signal_stack[1 << 16];
-
 const void* instruction_of(void* context) noexcept {
 #if defined(__x86_64__)
     return reinterpret_cast<const void*>(static_cast<const ucontext_t*>(context)->uc_mcontext.gregs[REG_RIP]);
@@ -30,6 +24,12 @@ const void* instruction_of(void* context) noexcept {
     return nullptr;
 #endif
 }
+
+namespace {
+
+int report_to = -1;
+const char* subject_title = "";
+alignas(64) unsigned char signal_stack[1 << 16];
 
 bool was_write(void* context) noexcept {
 #if defined(__x86_64__)

@@ -5,6 +5,8 @@ namespace pelorus::conformance {
 
 /// The handlers write an outcome to the descriptor and end the process.
 void install_fault_handler(int descriptor);
+/// Of what a handler of signals is handed: the instruction at fault.
+const void* instruction_of(void* context) noexcept;
 /// Shown with the fault; must stay alive.
 void set_subject_of_fault(const char* title) noexcept;
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <new>
 
@@ -16,7 +17,8 @@ constexpr std::size_t longest_name = 64;
 
 /// Kept in static memory, because the signal handler reads it.
 struct Zone {
-    const unsigned char* mapping = nullptr;  // nullptr: free
+    std::atomic<bool> is_taken{false};
+    std::atomic<const unsigned char*> mapping{nullptr};  // nullptr: not yet, or no longer, described
     std::size_t mapped = 0;
     const unsigned char* first = nullptr;  // of the array
     const unsigned char* end = nullptr;
@@ -39,7 +41,7 @@ int add_zone(const unsigned char* mapping, std::size_t mapped, const double* dat
              const ZoneName& name) noexcept {
     for (std::size_t i = 0; i < zones.size(); ++i) {
         Zone& zone = zones[i];
-        if (zone.mapping != nullptr) continue;
+        if (zone.is_taken.exchange(true)) continue;
         zone.mapped = mapped;
         zone.first = reinterpret_cast<const unsigned char*>(data);
         zone.end = reinterpret_cast<const unsigned char*>(data + doubles);
@@ -78,7 +80,11 @@ GuardedMemory::GuardedMemory(GuardedMemory&& other) noexcept
 }
 
 GuardedMemory::~GuardedMemory() {
-    if (zone_ >= 0) zones[static_cast<std::size_t>(zone_)].mapping = nullptr;
+    if (zone_ >= 0) {
+        Zone& zone = zones[static_cast<std::size_t>(zone_)];
+        zone.mapping = nullptr;
+        zone.is_taken = false;
+    }
     if (mapping_ != nullptr) munmap(mapping_, mapped_);
 }
 
@@ -102,7 +108,8 @@ bool GuardedMemory::is_pattern(double value) noexcept { return std::memcmp(&valu
 bool find_zone(const void* address, ZoneHit& hit) noexcept {
     const auto* const at = static_cast<const unsigned char*>(address);
     for (const Zone& zone : zones) {
-        if (zone.mapping == nullptr || at < zone.mapping || at >= zone.mapping + zone.mapped) continue;
+        const unsigned char* const mapping = zone.mapping;
+        if (mapping == nullptr || at < mapping || at >= mapping + zone.mapped) continue;
         hit.function = zone.function;
         hit.array = zone.array;
         hit.is_read_only = at >= zone.first && at < zone.end;

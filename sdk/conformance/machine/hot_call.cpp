@@ -40,6 +40,20 @@ std::vector<HotCall> hot_calls(const Instance& instance, Sample sample, std::int
 }
 std::uint64_t scratch_bytes(const Instance& instance) { return kind_of(instance).teller(instance); }
 
+std::uint32_t model_flags(const Instance& instance) {
+    // Tables of models begin alike, and so do their infos.
+    struct Info {
+        std::uint32_t struct_size, flags;
+    };
+    struct Table {
+        plr_table_head head;
+        const Info* (*info)(const void* self);
+    };
+    static_assert(offsetof(Table, info) == offsetof(plr_motion, info) &&
+                  offsetof(Info, flags) == offsetof(plr_motion_info, flags));
+    return instance.table<Table>().info(instance.self())->flags;
+}
+
 std::vector<double> HotCall::item_of(const Argument& argument, const std::vector<double>& values, std::int64_t item) {
     const std::int64_t size = argument.rows * argument.cols;
     std::int64_t first = argument.is_common ? 0 : item, end = first + 1;
@@ -100,6 +114,17 @@ bool same_item(const HotCall& one_call, const Execution& one, std::int64_t i, co
             return false;
         }
     }
+    return true;
+}
+
+bool same_answer(const HotCall& call, const Execution& one, const Execution& other, std::string& difference) {
+    if (one.status != other.status) {
+        difference = std::string(status_name(one.status)) + " against " + status_name(other.status);
+        return false;
+    }
+    if (one.status < 0) return true;
+    for (std::int64_t i = 0; i < call.count; ++i)
+        if (!same_item(call, one, i, call, other, i, difference)) return false;
     return true;
 }
 

@@ -32,7 +32,7 @@ struct Argument {
     bool is_common = false;      ///< inputs: one matrix for all items (item_stride 0)
     std::vector<std::int64_t>
         offsets;  ///< ragged: item i owns the matrices offsets[i] .. offsets[i + 1] - 1; else empty
-    Content content = Content::finite;  ///< outputs
+    Content content = Content::finite;  ///< outputs; inputs: finite or covariance
     bool is_absent = false;             ///< data NULL
     bool is_weightless = false;         ///< inputs: outputs need not depend on it (a dt of a call that ignores it)
 };
@@ -63,8 +63,13 @@ struct ExecuteOptions {
     bool transposed = false;  ///< arrays stored row by row (row and column strides swapped)
     unsigned watch = 0;       ///< watch::Concern
     bool without_item_status = false;
-    bool is_guarded = true;               ///< false: plain memory, for speed
+    bool is_guarded = true;  ///< false: plain memory, for speed
+    bool has_slack = false;  ///< room behind outputs and scratch memory: what is written past their end is let pass
+    bool is_null_if_empty = false;        ///< arrays of no items have data NULL
+    std::int64_t item_offset = 0;         ///< plr_call.item_offset
     std::vector<double> inputs;           ///< plr_call.inputs; empty: the instance's defaults
+    std::int64_t input_stride = 0;        ///< plr_call.input_stride
+    bool without_inputs = false;          ///< plr_call.inputs NULL
     std::vector<std::uint64_t> item_ids;  ///< empty: NULL
 };
 
@@ -77,6 +82,7 @@ struct Execution {
     std::vector<std::string> stray;        ///< writes between items or before an array, in words
     std::uint64_t scratch_left_used = 0;   ///< of the scratch memory after the call; has to be 0
     watch::Offence offence;
+    double seconds = 0;  ///< of the call itself
 
     bool failed(std::int64_t item) const { return !items.empty() && items[static_cast<std::size_t>(item)] != PLR_OK; }
     std::string told() const;
@@ -90,6 +96,8 @@ Execution execute_well(const Instance& instance, const HotCall& call, const Exec
 /// Whether two executions answered the same bits for item i of the first and item k of the second; else says where not.
 bool same_item(const HotCall& one_call, const Execution& one, std::int64_t i, const HotCall& other_call,
                const Execution& other, std::int64_t k, std::string& difference);
+/// Likewise for all items, and the status of the call.
+bool same_answer(const HotCall& call, const Execution& one, const Execution& other, std::string& difference);
 /// `out[2, 1] of item 3`
 std::string element_name(const Argument& argument, std::int64_t item, std::int64_t row, std::int64_t col);
 
@@ -97,6 +105,8 @@ std::string element_name(const Argument& argument, std::int64_t item, std::int64
 std::vector<HotCall> hot_calls(const Instance& instance, Sample sample, std::int64_t count);
 /// What info() asks for.
 std::uint64_t scratch_bytes(const Instance& instance);
+/// PLR_FLAG_... of info().
+std::uint32_t model_flags(const Instance& instance);
 
 namespace detail {
 /// Each kind tells its calls once.

@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -115,19 +116,32 @@ ProcessPool::Ended ProcessPool::finish(std::map<int, Child>::iterator at, bool r
 
 namespace {
 
-/// What addr2line says of an address: `function at file:line`, or "".
+/// Whether a place that addr2line tells is in a file that a plugin's author has written: not in a header of Eigen, the SDK, the system.
+bool is_authors_own(const std::string& place) { return place.find("/include/") == std::string::npos; }
+
+/// What addr2line says of an address: `function at file:line`, or "". Of functions inlined into one another, the innermost that is
+/// the author's own.
 std::string line_of(const std::string& library, const std::string& address) {
     std::string quoted = "'";
     for (const char c : library) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    const std::string command = "addr2line -C -f -s -p -e " + quoted + "' " + address + " 2>/dev/null";
+    const std::string command = "addr2line -C -f -i -p -e " + quoted + "' " + address + " 2>/dev/null";
     FILE* const output = popen(command.c_str(), "r");
     if (output == nullptr) return {};
-    char line[1024] = {};
-    const bool has_line = std::fgets(line, sizeof line, output) != nullptr;
+    std::string told;
+    char part[1024];
+    while (std::fgets(part, sizeof part, output) != nullptr) told += part;
     pclose(output);
-    std::string text = has_line ? line : "";
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return text.rfind("??", 0) == 0 ? std::string() : text;
+    std::string innermost;
+    std::istringstream lines(told);
+    for (std::string line; std::getline(lines, line);) {
+        const std::string inlined = " (inlined by) ";
+        if (line.rfind(inlined, 0) == 0) line.erase(0, inlined.size());
+        if (line.rfind("??", 0) == 0) continue;
+        const std::string place = line.substr(std::min(line.size(), line.rfind(" at ")));
+        if (is_authors_own(place)) return line;
+        if (innermost.empty()) innermost = line;
+    }
+    return innermost;
 }
 
 }  // namespace

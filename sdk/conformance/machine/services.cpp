@@ -1,6 +1,9 @@
 #include "services.hpp"
 
 #include <cstdio>
+#include <thread>
+
+#include "watch.hpp"
 
 namespace pelorus::conformance {
 
@@ -50,9 +53,43 @@ const void* Services::service(const plr_host* host, const char* id) noexcept {
     if (wanted == PLR_SERVICE_PARALLEL) {
         if (!self.parallel_ || self.parallel_->service().threads != self.threads)
             self.parallel_ = self.host_services_.threads(self.threads);
-        return &self.parallel_->service();
+        self.watched_parallel_ = self.parallel_->service();
+        self.watched_parallel_.context = &self;
+        self.watched_parallel_.run = &run;
+        return &self.watched_parallel_;
     }
     return nullptr;
+}
+
+namespace {
+
+/// A plugin's body on its way through the threads; what the host does in between is not the plugin's doing.
+struct WatchedBody {
+    plr_status (*body)(void*, std::int64_t, std::int64_t, plr_scratch*, plr_error*);
+    void* argument;
+    std::thread::id caller;
+    unsigned concerns;
+};
+
+plr_status run_watched(void* argument, std::int64_t first, std::int64_t last, plr_scratch* scratch, plr_error* error) {
+    const auto& watched = *static_cast<const WatchedBody*>(argument);
+    const bool is_caller = std::this_thread::get_id() == watched.caller;
+    if (is_caller) watch::resume(watched.concerns);
+    const plr_status status = watched.body(watched.argument, first, last, scratch, error);
+    if (is_caller) watch::pause();
+    return status;
+}
+
+}  // namespace
+
+plr_status Services::run(void* context, std::int64_t count, std::int64_t block,
+                         plr_status (*body)(void*, std::int64_t, std::int64_t, plr_scratch*, plr_error*),
+                         void* argument, plr_error* error) noexcept {
+    const plr_parallel& pool = static_cast<Services*>(context)->parallel_->service();
+    WatchedBody watched{body, argument, std::this_thread::get_id(), watch::pause()};
+    const plr_status status = pool.run(pool.context, count, block, &run_watched, &watched, error);
+    watch::resume(watched.concerns);
+    return status;
 }
 
 plr_status Services::publish(void* context, std::uint32_t port, const plr_message* message, plr_error* error) noexcept {

@@ -44,6 +44,9 @@ public:
 
 private:
     static const void* service(const plr_host*, const char* id) noexcept;
+    static plr_status run(void*, std::int64_t, std::int64_t,
+                          plr_status (*)(void*, std::int64_t, std::int64_t, plr_scratch*, plr_error*), void*,
+                          plr_error*) noexcept;
     static plr_status publish(void*, std::uint32_t, const plr_message*, plr_error*) noexcept;
 
     const Host& host_services_;
@@ -54,6 +57,7 @@ private:
     plr_diagnostics diagnostics_{};
     plr_publish publish_{};
     plr_output output_{};
+    plr_parallel watched_parallel_{};
 };
 
 }  // namespace pelorus::conformance

@@ -3,10 +3,16 @@
 #include <dlfcn.h>
 #include <execinfo.h>
 #include <link.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 
+#include "fault_handler.hpp"
 #include "watched_functions.hpp"
 
 namespace pelorus::conformance {
@@ -76,6 +82,59 @@ std::string place_of_caller() {
     return {};
 }
 
+namespace {
+
+int tell_static_write = -1;
+
+/// The writable segments of the library under test, without what the loader has made read-only already.
+int protect_writable(dl_phdr_info* info, std::size_t, void*) {
+    if (info->dlpi_addr != watched_range.base) return 0;
+    std::uintptr_t relocated_end = 0;
+    for (int i = 0; i < info->dlpi_phnum; ++i) {
+        const auto& header = info->dlpi_phdr[i];
+        if (header.p_type == PT_GNU_RELRO) relocated_end = info->dlpi_addr + header.p_vaddr + header.p_memsz;
+    }
+    const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    for (int i = 0; i < info->dlpi_phnum; ++i) {
+        const auto& header = info->dlpi_phdr[i];
+        if (header.p_type != PT_LOAD || (header.p_flags & PF_W) == 0) continue;
+        const std::uintptr_t first = info->dlpi_addr + header.p_vaddr, end = first + header.p_memsz;
+        const std::uintptr_t from = std::max(first, std::min(relocated_end, end)) / page * page;
+        if (from < end) mprotect(reinterpret_cast<void*>(from), end - from, PROT_READ);
+    }
+    return 1;
+}
+
+void tell_place_of_write(int, siginfo_t*, void* context) {
+    const std::string place = place_of(instruction_of(context));
+    if (write(tell_static_write, place.data(), place.size()) < 0) _exit(2);
+    _exit(1);
+}
+
+}  // namespace
+
+std::string place_of_static_write(const std::function<void()>& body) {
+    int ends[2];
+    if (pipe(ends) != 0) return {};
+    const pid_t process = fork();
+    if (process == 0) {
+        tell_static_write = ends[1];
+        struct sigaction action {};
+        action.sa_sigaction = &tell_place_of_write;
+        action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+        sigaction(SIGSEGV, &action, nullptr);
+        dl_iterate_phdr(&protect_writable, nullptr);
+        body();
+        _exit(0);
+    }
+    close(ends[1]);
+    char text[4300];
+    const ssize_t got = process < 0 ? 0 : read(ends[0], text, sizeof text);
+    close(ends[0]);
+    if (process > 0) waitpid(process, nullptr, 0);
+    return got <= 0 ? std::string() : std::string(text, static_cast<std::size_t>(got));
+}
+
 namespace watch {
 
 namespace {
@@ -102,6 +161,13 @@ Guard::Guard(unsigned concerns) noexcept {
     seen = &first_seen;
     watching = concerns;
 }
+
+unsigned pause() noexcept {
+    const unsigned kept = watching;
+    watching = 0;
+    return kept;
+}
+void resume(unsigned concerns) noexcept { watching = concerns; }
 
 Guard::~Guard() {
     if (!ended_) watching = 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace pelorus::conformance::watch {
@@ -39,6 +40,10 @@ private:
     bool ended_ = false;
 };
 
+/// Ends the calling thread's watch for a while, and answers what to resume it with.
+unsigned pause() noexcept;
+void resume(unsigned concerns) noexcept;
+
 /// Blocks that this process holds from malloc and its kin.
 std::int64_t blocks_in_use() noexcept;
 /// Lets the n-th allocation of the calling thread from now on fail (0: the next one); negative: none. Answers how many more would
@@ -55,5 +60,7 @@ void set_watched_library(const std::string& path, const void* symbol) noexcept;
 std::string place_of(const void* address);
 /// Of the innermost frame of the calling thread that is in the library under test, or "".
 std::string place_of_caller();
+/// Where the library under test writes first to its own static memory while `body` runs (in a process that is forked for it), or "".
+std::string place_of_static_write(const std::function<void()>& body);
 
 }  // namespace pelorus::conformance

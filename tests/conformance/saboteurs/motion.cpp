@@ -56,12 +56,6 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
         if (NEAR_MISS("motion-linear-means-linear")) y(0) *= 1 + 1e-13;
         return y;
     }
-    Transition noise(const Posterior& posterior, const pelorus::Step& step) const {
-        Transition q = Base::noise(posterior, step);
-        if (DEFECT("covariances-symmetric-positive")) q(3, 0) *= 1 + 1e-12;
-        if (NEAR_MISS("covariances-symmetric-positive")) q(3, 0) = q(0, 3) = q(3, 0) * (1 + 1e-12);
-        return q;
-    }
     Transition jacobian(const State& x, const pelorus::Step& step) const { return Base::jacobian(x, step); }
 
     const void* extension(const char* id) const noexcept {
