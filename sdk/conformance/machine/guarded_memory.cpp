@@ -22,6 +22,7 @@ struct Zone {
     std::size_t mapped = 0;
     const unsigned char* first = nullptr;  // of the array
     const unsigned char* end = nullptr;
+    bool is_taken_back = false;
     char function[longest_name] = {}, array[longest_name] = {};
 };
 std::array<Zone, 4096> zones;
@@ -45,6 +46,7 @@ int add_zone(const unsigned char* mapping, std::size_t mapped, const double* dat
         zone.mapped = mapped;
         zone.first = reinterpret_cast<const unsigned char*>(data);
         zone.end = reinterpret_cast<const unsigned char*>(data + doubles);
+        zone.is_taken_back = false;
         copy_name(zone.function, name.function);
         copy_name(zone.array, name.array);
         zone.mapping = mapping;
@@ -90,6 +92,11 @@ GuardedMemory::~GuardedMemory() {
 
 void GuardedMemory::make_read_only() { mprotect(mapping_ + page(), mapped_ - 2 * page(), PROT_READ); }
 
+void GuardedMemory::take_back() {
+    mprotect(mapping_, mapped_, PROT_NONE);
+    if (zone_ >= 0) zones[static_cast<std::size_t>(zone_)].is_taken_back = true;
+}
+
 bool GuardedMemory::is_intact_before() const noexcept {
     const unsigned char* const end = reinterpret_cast<const unsigned char*>(data_);
     for (const unsigned char* at = mapping_ + page(); at < end; at += sizeof pattern_bits)
@@ -113,6 +120,7 @@ bool find_zone(const void* address, ZoneHit& hit) noexcept {
         hit.function = zone.function;
         hit.array = zone.array;
         hit.is_read_only = at >= zone.first && at < zone.end;
+        hit.is_taken_back = zone.is_taken_back;
         hit.bytes = at >= zone.end ? at - zone.end : at < zone.first ? at - zone.first : 0;
         return true;
     }

@@ -26,6 +26,8 @@ public:
     std::size_t size() const noexcept { return doubles_; }
     /// From now on a write stops the plugin.
     void make_read_only();
+    /// From now on whoever touches any of it is stopped: it was lent for a call that is over.
+    void take_back();
     /// Whether the bytes before the first double still hold the pattern.
     bool is_intact_before() const noexcept;
 
@@ -46,6 +48,7 @@ struct ZoneHit {
     const char* array;
     std::int64_t bytes;  ///< past the end; negative: before the beginning; within the array itself: 0 (it is read-only)
     bool is_read_only;   ///< the array's own memory
+    bool is_taken_back;  ///< lent for a call that is over
 };
 /// For the handler of SIGSEGV: async-signal-safe.
 bool find_zone(const void* address, ZoneHit& hit) noexcept;

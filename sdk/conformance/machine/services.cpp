@@ -13,12 +13,14 @@ Services::~Services() = default;
 const plr_host* Services::host() {
     // Made anew each time: what is withheld or grown may have changed since.
     log_ = {sizeof log_, PLR_LOG_TRACE, this, [](void* self, std::int32_t, const char* text) {
+                const watch::HostWork ours;
                 auto& services = *static_cast<Services*>(self);
                 const std::lock_guard<std::mutex> lock(services.mutex_);
                 services.log.emplace_back(text);
             }};
     diagnostics_ = {static_cast<std::uint32_t>(sizeof diagnostics_) + extra_struct_bytes, 0, this,
                     [](void* self, const char* name, std::int64_t by) {
+                        const watch::HostWork ours;
                         auto& services = *static_cast<Services*>(self);
                         const std::lock_guard<std::mutex> lock(services.mutex_);
                         services.counters[name] += by;
@@ -39,6 +41,7 @@ const plr_host* Services::host() {
 }
 
 const void* Services::service(const plr_host* host, const char* id) noexcept {
+    const watch::HostWork ours;
     auto& self = *static_cast<Services*>(host->context);
     const std::string wanted = id == nullptr ? "" : id;
     const std::lock_guard<std::mutex> lock(self.mutex_);
@@ -93,6 +96,7 @@ plr_status Services::run(void* context, std::int64_t count, std::int64_t block,
 }
 
 plr_status Services::publish(void* context, std::uint32_t port, const plr_message* message, plr_error* error) noexcept {
+    const watch::HostWork ours;
     auto& self = *static_cast<Services*>(context);
     const auto refuse = [&](plr_status status, const std::string& why) {
         self.refused_messages.push_back(why);

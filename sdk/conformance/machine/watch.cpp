@@ -173,6 +173,13 @@ Guard::~Guard() {
     if (!ended_) watching = 0;
 }
 
+HostWork::HostWork() noexcept : watching_(watching), until_failure_(fail_allocation(-1)) { watching = 0; }
+
+HostWork::~HostWork() {
+    watching = watching_;
+    fail_allocation(until_failure_);
+}
+
 Offence Guard::end() {
     watching = 0;
     ended_ = true;

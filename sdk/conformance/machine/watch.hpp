@@ -44,6 +44,19 @@ private:
 unsigned pause() noexcept;
 void resume(unsigned concerns) noexcept;
 
+/// The host's own work within a call of the plugin: nothing is watched and no allocation fails while it lives.
+class HostWork {
+public:
+    HostWork() noexcept;
+    ~HostWork();
+    HostWork(const HostWork&) = delete;
+    HostWork& operator=(const HostWork&) = delete;
+
+private:
+    unsigned watching_;
+    std::int64_t until_failure_;
+};
+
 /// Blocks that this process holds from malloc and its kin.
 std::int64_t blocks_in_use() noexcept;
 /// Lets the n-th allocation of the calling thread from now on fail (0: the next one); negative: none. Answers how many more would
