@@ -143,7 +143,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     Execution done;
     done.error = empty_error();
     done.items.assign(options.without_item_status ? 0 : at(hot.count), PLR_OK);
-    ScratchMemory scratch(scratch_bytes(instance), hot.function, options);
+    ScratchMemory scratch(scratch_bytes(instance) + hot.scratch_beyond, hot.function, options);
     std::vector<plr_key> keys;
     for (std::int64_t i = 0; i < hot.count; ++i) {
         const std::uint64_t id = options.item_ids.empty() ? static_cast<std::uint64_t>(i) : options.item_ids[at(i)];

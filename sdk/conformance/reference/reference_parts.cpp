@@ -15,8 +15,9 @@ struct Entry {
     Maker make;
 };
 constexpr Entry entries[] = {
-    {"motion", &reference_motion},
-    {"sensor", &reference_sensor},
+    {"motion", &reference_motion},         {"sensor", &reference_sensor},           {"estimator", &reference_estimator},
+    {"extent", &reference_extent},         {"partitioner", &reference_partitioner}, {"waveform", &reference_waveform},
+    {"trajectory", &reference_trajectory},
 };
 
 }  // namespace

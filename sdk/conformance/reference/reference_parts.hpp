@@ -7,5 +7,10 @@ namespace pelorus::conformance {
 
 const plr_plugin* reference_motion();
 const plr_plugin* reference_sensor();
+const plr_plugin* reference_estimator();
+const plr_plugin* reference_extent();
+const plr_plugin* reference_partitioner();
+const plr_plugin* reference_waveform();
+const plr_plugin* reference_trajectory();
 
 }  // namespace pelorus::conformance
