@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::int64_t batch = 4;
 
-Eigen::MatrixXd item_matrix(const HotCall& call, const Execution& done, std::size_t output, std::int64_t i) {
-    const Argument& argument = call.out[output];
-    const auto values = HotCall::item_of(argument, done.out[output], i);
-    return Eigen::Map<const Eigen::MatrixXd>(values.data(), argument.rows, argument.cols);
-}
-
 void require_same(const std::string& what, const Eigen::VectorXd& got, const Eigen::VectorXd& expected,
                   const Eigen::VectorXd& scales, const Space& space) {
     const std::string off =

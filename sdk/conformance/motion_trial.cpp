@@ -1,11 +1,5 @@
 #include "motion_trial.hpp"
 
-#include <cmath>
-
-#include <fmt/format.h>
-
-#include "differences.hpp"
-
 namespace pelorus::conformance {
 
 namespace {
@@ -17,12 +11,6 @@ Argument copies_of(const Argument& argument, std::int64_t item, std::int64_t tim
     const std::vector<double> one = HotCall::item_of(argument, argument.values, item);
     for (std::int64_t k = 0; k < times; ++k) copied.values.insert(copied.values.end(), one.begin(), one.end());
     return copied;
-}
-
-ExecuteOptions unguarded() {
-    ExecuteOptions options;
-    options.is_guarded = false;
-    return options;
 }
 
 }  // namespace
@@ -90,63 +78,10 @@ std::vector<Eigen::MatrixXd> MotionTrial::noise(const Eigen::VectorXd& dt, const
     return answered_matrices(*instance, noise_call(dt, items));
 }
 
-Argument columns(const std::string& name, const Eigen::MatrixXd& matrix) {
-    return input(name, matrix.rows(), 1, matrix.cols(),
-                 [&](double* out, std::int64_t i) { Eigen::Map<Eigen::VectorXd>(out, matrix.rows()) = matrix.col(i); });
-}
-
 Argument steps(const Eigen::VectorXd& dt) { return columns("dt", dt.transpose()); }
 
 Eigen::MatrixXd states_of(const MotionItems& items) {
     return Eigen::Map<const Eigen::MatrixXd>(items.state.values.data(), items.state.rows, items.count);
-}
-
-Eigen::MatrixXd answered(const Instance& instance, const HotCall& call) {
-    const Execution done = execute_well(instance, call, unguarded());
-    return Eigen::Map<const Eigen::MatrixXd>(done.out[0].data(), call.out[0].rows, call.out[0].cols * call.count);
-}
-
-std::vector<Eigen::MatrixXd> answered_matrices(const Instance& instance, const HotCall& call, std::size_t output) {
-    const Execution done = execute_well(instance, call, unguarded());
-    std::vector<Eigen::MatrixXd> matrices;
-    const std::int64_t size = call.out[output].rows * call.out[output].cols;
-    for (std::int64_t i = 0; i < call.count; ++i)
-        matrices.emplace_back(Eigen::Map<const Eigen::MatrixXd>(done.out[output].data() + i * size,
-                                                                call.out[output].rows, call.out[output].cols));
-    return matrices;
-}
-
-std::string first_difference(const Eigen::MatrixXd& got, const Eigen::MatrixXd& expected,
-                             const Eigen::MatrixXd& allowed, const Space& rows, const Space& cols) {
-    double worst = 1;
-    std::string text;
-    for (Eigen::Index c = 0; c < got.cols(); ++c)
-        for (Eigen::Index r = 0; r < got.rows(); ++r) {
-            const double off = std::fabs(got(r, c) - expected(r, c));
-            if (off <= worst * allowed(r, c)) continue;
-            worst = allowed(r, c) > 0 ? off / allowed(r, c) : HUGE_VAL;
-            text = fmt::format("element ({}, {}) is {:.12g}, expected {:.12g}", rows[static_cast<int>(r)].name,
-                               cols[static_cast<int>(c)].name, got(r, c), expected(r, c));
-        }
-    return text;
-}
-
-std::string first_difference(const Eigen::VectorXd& got, const Eigen::VectorXd& expected,
-                             const Eigen::VectorXd& allowed, const Space& rows) {
-    double worst = 1;
-    std::string text;
-    const Eigen::VectorXd off = difference_in(rows, got, expected);
-    for (Eigen::Index r = 0; r < got.size(); ++r) {
-        if (std::fabs(off(r)) <= worst * allowed(r)) continue;
-        worst = allowed(r) > 0 ? std::fabs(off(r)) / allowed(r) : HUGE_VAL;
-        text = fmt::format("{} is {:.12g}, expected {:.12g}", rows[static_cast<int>(r)].name, got(r), expected(r));
-    }
-    return text;
-}
-
-Eigen::MatrixXd element_scales(const Eigen::MatrixXd& covariance) {
-    const Eigen::VectorXd deviations = covariance.diagonal().cwiseAbs().cwiseSqrt();
-    return deviations * deviations.transpose();
 }
 
 }  // namespace pelorus::conformance

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <pelorus/space.hpp>
 
+#include "call_matrices.hpp"
 #include "machine/bench.hpp"
 #include "motion_calls.hpp"
 
@@ -48,21 +49,8 @@ public:
     Eigen::Index n;
 };
 
-/// Columns as items of an argument.
-Argument columns(const std::string& name, const Eigen::MatrixXd& matrix);
 Argument steps(const Eigen::VectorXd& dt);
 /// The states of items, a column each.
 Eigen::MatrixXd states_of(const MotionItems& items);
-/// An output of a call that must go well, an item a column, or an item a matrix.
-Eigen::MatrixXd answered(const Instance& instance, const HotCall& call);
-std::vector<Eigen::MatrixXd> answered_matrices(const Instance& instance, const HotCall& call, std::size_t output = 0);
-
-/// The element where `got` is furthest off `expected` in units of `allowed`, by names; "" where none is off.
-std::string first_difference(const Eigen::MatrixXd& got, const Eigen::MatrixXd& expected,
-                             const Eigen::MatrixXd& allowed, const Space& rows, const Space& cols);
-std::string first_difference(const Eigen::VectorXd& got, const Eigen::VectorXd& expected,
-                             const Eigen::VectorXd& allowed, const Space& rows);
-/// sqrt(Q_rr Q_cc): how large an element of a covariance may be.
-Eigen::MatrixXd element_scales(const Eigen::MatrixXd& covariance);
 
 }  // namespace pelorus::conformance
