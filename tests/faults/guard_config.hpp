@@ -1,6 +1,7 @@
 /// A small pipeline with one plugin of the zoo (tests/plugins/zoo*.cpp) in it, as the command runs it.
 #pragma once
 
+#include <catch2/catch.hpp>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace pelorus::test {
 struct ZooConfig {
     std::string motion = "{use: motion.constant_velocity, with: {noise: 1 m2/s3}}";
     std::string sensor = "{use: sensor.position, with: {noise: 10 m}}";
+    std::string trajectory = "{use: trajectory.legs, with: {start: [0 m, 0 m, 1 km], speed: 100 m/s, heading: 0 deg}}";
     std::string outer = "";    ///< wrapped around the estimator: `org.example.estimator.zoo, with: {...}`
     std::string further = "";  ///< nodes
 
@@ -28,7 +30,8 @@ graph:
     with: {scans: 40, period: 1 s}
     parts:
       targets:
-        aircraft: {use: trajectory.legs, with: {start: [0 m, 0 m, 1 km], speed: 100 m/s, heading: 0 deg}}
+        aircraft: )" +
+               trajectory + R"(
       sensors:
         radar: {use: sensor.position, with: {noise: 10 m}}
   tracker:
@@ -59,5 +62,20 @@ inline Ended run_zoo(const TemporaryFolder& folder, const ZooConfig& config, con
 
 /// The first line of what was told.
 inline std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+/// The fault's line, the line that says how far the run came and where its results are, and nothing else.
+inline void check_told(const TemporaryFolder& folder, const Ended& ended, const std::string& place,
+                       const std::string& line) {
+    CHECK(ended.exit == 1);
+    CHECK(first_line(ended.err) == "pelorus: node " + place + ": " + line);
+    const std::string rest = ended.err.substr(ended.err.find('\n') + 1);
+    CHECK_THAT(rest, Catch::StartsWith("pelorus: the run failed at "));
+    CHECK_THAT(first_line(rest), Catch::EndsWith("; results up to there are in " + folder / "out"));
+    CHECK_THAT(rest.substr(rest.find('\n') + 1), !Catch::Contains("pelorus:"));
+    CHECK(folder.has("out/summary.json"));
+    CHECK(folder.has("out/provenance.json"));
+    CHECK(folder.has("out/truth.csv"));
+    CHECK(!folder.has("out/truth.csv.part"));
+}
 
 }  // namespace pelorus::test

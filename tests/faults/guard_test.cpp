@@ -13,20 +13,6 @@ const std::string motion = "tracker.estimator.motion (org.example.motion.zoo), "
 const std::string sensor = "tracker.estimator.sensors.radar (org.example.sensor.zoo), ";
 const std::string estimator = "tracker.estimator (org.example.estimator.zoo), ";
 
-/// The fault's line, the line that says how far the run came and where its results are, and nothing else.
-void check_told(const TemporaryFolder& folder, const Ended& ended, const std::string& place, const std::string& line) {
-    CHECK(ended.exit == 1);
-    CHECK(first_line(ended.err) == "pelorus: node " + place + ": " + line);
-    const std::string rest = ended.err.substr(ended.err.find('\n') + 1);
-    CHECK_THAT(rest, Catch::StartsWith("pelorus: the run failed at "));
-    CHECK_THAT(first_line(rest), Catch::EndsWith("; results up to there are in " + folder / "out"));
-    CHECK_THAT(rest.substr(rest.find('\n') + 1), !Contains("pelorus:"));
-    CHECK(folder.has("out/summary.json"));
-    CHECK(folder.has("out/provenance.json"));
-    CHECK(folder.has("out/truth.csv"));
-    CHECK(!folder.has("out/truth.csv.part"));
-}
-
 struct Case {
     const char* fault;
     const char* in;
