@@ -62,6 +62,23 @@ TEST_CASE("crash: a stage that ends the process is named with its call") {
               folder / "out" + ": truth.csv.part");
 }
 
+TEST_CASE("crash: a stage that ends the process, or throws, when it is asked what its ports carry is named") {
+    const TemporaryFolder folder;
+    const auto asked = [&](const std::string& fault) {
+        ZooConfig config;
+        config.further =
+            "  zoo:\n    use: org.example.analyzer.zoo\n    in: {scans: world.scans}\n    with: {fault: " + fault +
+            ", call: port_type}\n";
+        return crash(folder, config);
+    };
+    const Ended crashed = asked("abort");
+    CHECK(crashed.exit == 1);
+    CHECK(crashed.err == "pelorus: crashed (SIGABRT) in port_type of zoo (org.example.analyzer.zoo)\n");
+    const Ended thrown = asked("throws");
+    CHECK(thrown.exit == 2);
+    CHECK_THAT(first_line(thrown.err), Catch::EndsWith("zoo.scans: org.example.analyzer.zoo: boom"));
+}
+
 TEST_CASE("crash: a part that ends the process while it is made, asked or ended is named") {
     const std::string in = GENERATE("create", "info", "destroy");
     CAPTURE(in);

@@ -24,6 +24,11 @@ struct ZooStage : pelorus::Stage<ZooStage> {
     template <class Archive> void state(Archive& archive) { archive(scans); }
 
     static const ZooStage& of(const void* self) { return *static_cast<const ZooStage*>(self); }
+    static plr_status port_type(const void* self, std::uint32_t is_output, std::uint32_t port, plr_port_type* out,
+                                plr_error* error) {
+        if (of(self).in == "port_type") zoo::misbehave(of(self).fault);
+        return Base::table().port_type(self, is_output, port, out, error);
+    }
     static plr_status receive(void* self, const plr_call* call, std::uint32_t port, const plr_message* message) {
         double unused[3] = {};
         const plr_view nothing{unused + 1, 1, 1, 1, 1, 1, 1};
@@ -38,6 +43,7 @@ struct ZooStage : pelorus::Stage<ZooStage> {
         static const plr_stage zoo = [] {
             plr_stage t = Base::table();
             t.head.destroy = &zoo::destroy<ZooStage>;
+            t.port_type = &ZooStage::port_type;
             t.receive = &ZooStage::receive;
             t.finish = &ZooStage::finish;
             return t;
