@@ -72,6 +72,7 @@ void ZoneAlarm::describe(pelorus::Describe<ZoneAlarm>& plugin) {
         .equation("d = distance to the edge, negative inside; d < -margin: in; d > margin: out; between: as before");
     plugin.parameter("zone", &ZoneAlarm::zone_)
         .unit("m")
+        .initially("[[-1 km, -1 km], [1 km, -1 km], [1 km, 1 km], [-1 km, 1 km]]")
         .rows(3)
         .cols(2, 2)
         .doc("corners of a polygon in the order in which they are joined, x and y of each");
