@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "graph/contract.hpp"
 #include "graph/names.hpp"
 #include "graph/parameters.hpp"
 #include "graph/part_tree.hpp"
@@ -174,6 +175,14 @@ std::vector<Subject> SuiteHost::subjects(const std::filesystem::path& file) cons
         problems.raise();
         return subjects;
     });
+}
+
+std::string SuiteHost::description_problem(const plr_description& description) const {
+    return host::description_problem(description);
+}
+
+std::string SuiteHost::instance_problem(const plr_plugin& plugin, const plr_instance& instance) const {
+    return graph::instance_problem(plugin.table_id, *plugin.description, instance);
 }
 
 const plr_plugin& SuiteHost::plugin(const std::string& id) const {

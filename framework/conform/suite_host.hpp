@@ -25,6 +25,8 @@ public:
                                                 const std::string& plugin) const override;
     std::vector<std::string> keys(const conformance::Settings& with) const override;
     std::vector<conformance::Subject> subjects(const std::filesystem::path& file) const override;
+    std::string description_problem(const plr_description& description) const override;
+    std::string instance_problem(const plr_plugin& plugin, const plr_instance& instance) const override;
     const plr_plugin& plugin(const std::string& id) const override;
     const plr_random& random() const override { return host::random_service(); }
     const plr_frames& frames() const override { return frames_.service(); }

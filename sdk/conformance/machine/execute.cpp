@@ -114,6 +114,12 @@ private:
     plr_scratch scratch_{};
 };
 
+/// A struct of the caller's, with room behind it for what a later version adds.
+template <class Struct> struct Longer {
+    Struct known{};
+    unsigned char later[64] = {};
+};
+
 std::string exception_text() {
     try {
         throw;
@@ -141,7 +147,6 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
         views.out.push_back(out.back().view());
     }
     Execution done;
-    done.error = empty_error();
     done.items.assign(options.without_item_status ? 0 : at(hot.count), PLR_OK);
     ScratchMemory scratch(scratch_bytes(instance) + hot.scratch_beyond, hot.function, options);
     std::vector<plr_key> keys;
@@ -150,8 +155,11 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
         keys.push_back({{0x5DEECE66Du + id, 0xB5297A4Du}});
     }
     const std::vector<double>& inputs = options.inputs.empty() ? instance.inputs() : options.inputs;
-    plr_call call{};
-    call.struct_size = sizeof call;
+    Longer<plr_error> error{empty_error(), {}};
+    error.known.struct_size += options.extra_struct_bytes;
+    Longer<plr_call> longer;
+    plr_call& call = longer.known;
+    call.struct_size = static_cast<std::uint32_t>(sizeof call) + options.extra_struct_bytes;
     call.time = 1'000'000'000;
     call.item_ids = options.item_ids.empty() ? nullptr : options.item_ids.data();
     call.keys = keys.data();
@@ -159,7 +167,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     call.input_stride = options.input_stride;
     call.item_offset = options.item_offset;
     call.scratch = scratch.get();
-    call.error = &done.error;
+    call.error = &error.known;
     call.item_status = options.without_item_status ? nullptr : done.items.data();
     const auto start = std::chrono::steady_clock::now();
     watch::Guard guard(options.watch);
@@ -171,6 +179,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
         done.left_by = exception_text();
     }
     done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    done.error = error.known;
     done.scratch_left_used = scratch.get()->used;
     for (const Placed& placed : out) done.out.push_back(placed.collect(done.stray));
     return done;

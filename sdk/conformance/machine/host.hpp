@@ -76,6 +76,11 @@ public:
     /// The subjects that a file describes: a map of titles to `use`, `with`, `parts`, `frame`. Throws Refused.
     virtual std::vector<Subject> subjects(const std::filesystem::path& file) const = 0;
 
+    /// What the host finds wrong with a description, as one line, or "".
+    virtual std::string description_problem(const plr_description& description) const = 0;
+    /// What the host finds wrong with a fresh instance: its table, and what it says of itself. "" if nothing.
+    virtual std::string instance_problem(const plr_plugin& plugin, const plr_instance& instance) const = 0;
+
     /// A plugin where the host looks for plugins. Throws Refused.
     virtual const plr_plugin& plugin(const std::string& id) const = 0;
 

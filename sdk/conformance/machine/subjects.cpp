@@ -1,7 +1,8 @@
 #include "subjects.hpp"
 
 #include <cmath>
-#include <set>
+
+#include "apart.hpp"
 
 namespace pelorus::conformance {
 
@@ -28,6 +29,16 @@ std::vector<std::string> alternatives(const plr_parameter& parameter) {
     return values;
 }
 
+/// Some values need another parameter beside them.
+bool can_be_made(const Task& task, const plr_plugin& plugin, const Subject& subject) {
+    try {
+        const Instance tried(*task.host, plugin, subject.node, {});
+        return true;
+    } catch (const std::exception&) {
+        return false;
+    }
+}
+
 }  // namespace
 
 std::vector<Subject> subjects_of(const Task& task) {
@@ -37,23 +48,34 @@ std::vector<Subject> subjects_of(const Task& task) {
     if (task.plugin.empty()) return subjects;
     const plr_plugin& plugin = Library::load(task.library).plugin(task.plugin);
     const plr_description& description = *plugin.description;
+    std::vector<Subject> others;
     const auto* at = reinterpret_cast<const unsigned char*>(description.parameters);
     for (std::uint32_t i = 0; i < description.parameter_count; ++i) {
         const auto& parameter = *reinterpret_cast<const plr_parameter*>(at);
         at += parameter.struct_size;
         for (const std::string& value : alternatives(parameter)) {
-            if (subjects.size() >= most_subjects) return subjects;
             Subject other = plain;
             other.title = std::string(parameter.name) + ": " + value;
-            other.node.with = task.host->settings("{" + other.title + "}", nullptr);
             try {
-                const Instance tried(*task.host, plugin, other.node, {});
-                subjects.push_back(other);
-            } catch (const std::exception&) {
-                // Not by itself: it needs another parameter beside it.
+                other.node.with = task.host->settings("{" + other.title + "}", nullptr);
+                others.push_back(other);
+            } catch (const Refused&) {
+                // Cannot be written like that; values-can-be-written tells it.
             }
         }
     }
+    if (others.empty()) return subjects;
+    // Tried in another process: a plugin that keeps something from one instance to the next must not have made any before its
+    // check begins.
+    const Apart tried = apart([&] {
+        std::string accepted;
+        for (const Subject& other : others) accepted += can_be_made(task, plugin, other) ? '1' : '0';
+        return accepted;
+    });
+    // Where that process came to no end, so will the checks of these subjects, and tell it.
+    const std::string accepted = tried.problem.empty() ? tried.written : std::string(others.size(), '1');
+    for (std::size_t i = 0; i < accepted.size() && subjects.size() < most_subjects; ++i)
+        if (accepted[i] == '1') subjects.push_back(others[i]);
     return subjects;
 }
 

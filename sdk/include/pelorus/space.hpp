@@ -34,13 +34,15 @@ public:
         rebuild();
     }
     Space(const Space& other) : components_(other.components_) { rebuild(); }
-    Space(Space&& other) noexcept : components_(std::move(other.components_)) {
-        rebuild();
-        other.rebuild();
+    // Moved vectors keep their elements where they are, and with them the texts that raw_ points to: nothing is allocated.
+    Space(Space&& other) noexcept : components_(std::move(other.components_)), raw_(std::move(other.raw_)) {
+        point();
+        other.point();
     }
     Space& operator=(Space other) noexcept {
         components_.swap(other.components_);
-        rebuild();
+        raw_.swap(other.raw_);
+        point();
         return *this;
     }
     ~Space() = default;
@@ -78,8 +80,9 @@ private:
             raw_.push_back({sizeof(plr_component), component.angle ? std::uint32_t{PLR_COMPONENT_ANGLE} : 0u,
                             component.name.c_str(), component.unit.c_str(), component.prior_mean,
                             component.prior_deviation});
-        space_ = {sizeof(plr_space), static_cast<std::uint32_t>(raw_.size()), raw_.data()};
+        point();
     }
+    void point() noexcept { space_ = {sizeof(plr_space), static_cast<std::uint32_t>(raw_.size()), raw_.data()}; }
     std::vector<Component> components_;
     std::vector<plr_component> raw_;
     plr_space space_{};

@@ -1,0 +1,129 @@
+// Hosts that differ from ours: of an earlier or later minor version, or without some of the services.
+#include <fmt/format.h>
+
+#include "machine/answers.hpp"
+#include "machine/bench.hpp"
+#include "machine/fault_handler.hpp"
+#include "machine/hot_call.hpp"
+#include "machine/library.hpp"
+
+namespace pelorus::conformance {
+
+namespace {
+
+/// Makes the instance without those services and lets it work. It may decline, if it says for want of what.
+void try_without(const Bench& bench, const std::set<std::string>& withheld, const std::string& title) {
+    Services services(bench.host());
+    services.withheld = withheld;
+    Surroundings surroundings;
+    surroundings.services = &services;
+    set_subject_of_fault(title.c_str());
+    try {
+        const auto instance = bench.try_make("", surroundings);
+        answers_of(*instance, bench.sample());
+    } catch (const CreateFailed& failed) {
+        const std::string told = failed.what();
+        if (failed.status != PLR_E_UNSUPPORTED)
+            FAIL_CHECK(title << ": create answered " << told << "; expected an instance or PLR_E_UNSUPPORTED");
+        bool names_one = false;
+        for (const std::string& each : services.asked_for)
+            if (withheld.count(each) + withheld.count("*") != 0)
+                names_one = names_one || told.find(each) != std::string::npos;
+        if (!names_one) FAIL_CHECK(title << ": create answered " << told << ", which names no missing service");
+    }
+    set_subject_of_fault("");
+}
+
+}  // namespace
+
+PELORUS_CHECK(
+    every, "services-may-be-missing", 2,
+    "Without one or all of the host's services an instance does without, or create answers PLR_E_UNSUPPORTED and names "
+    "the one that it needs; small hosts offer few.",
+    {"instance-is-accepted"}) {
+    std::set<std::string> used;
+    {
+        Services services(bench.host());
+        Surroundings surroundings;
+        surroundings.services = &services;
+        bench.make(surroundings);
+        used = services.asked_for;
+    }
+    for (const std::string& id : used) try_without(bench, {id}, "host without " + id);
+    try_without(bench, {"*"}, "host without services");
+}
+
+PELORUS_CHECK(
+    every, "config-is-stepped", 2,
+    "Arrays of structs in a config are stepped through by the struct_size of their first element, not by sizeof; a "
+    "host of a later minor version has longer structs, and the second parameter would be read from within the first.",
+    {"instance-is-accepted"}) {
+    const std::string expected = answers_of(*bench.make(), bench.sample());
+    for (const std::uint32_t extra : {8u, 40u}) {
+        Surroundings surroundings;
+        surroundings.extra_struct_bytes = extra;
+        const auto instance = bench.make(surroundings);
+        const std::string difference = first_difference(expected, answers_of(*instance, bench.sample()));
+        if (!difference.empty())
+            FAIL("an instance of a config whose structs are " << extra
+                                                              << " bytes longer answers otherwise: " << difference);
+    }
+}
+
+PELORUS_CHECK(
+    every, "later-host-is-accepted", 2,
+    "A host of a later minor version, whose structs and tables are longer, is as good as ours: minor versions only "
+    "add.",
+    {"instance-is-accepted"}) {
+    Services services(bench.host());
+    services.abi_minor = PLR_ABI_MINOR + 1;
+    services.extra_struct_bytes = 32;
+    Surroundings surroundings;
+    surroundings.services = &services;
+    try {
+        bench.try_make("", surroundings);
+    } catch (const CreateFailed& failed) {
+        FAIL("host of ABI " << PLR_ABI_MAJOR << "." << PLR_ABI_MINOR + 1 << ": create answered " << failed.what());
+    }
+}
+
+PELORUS_CHECK(
+    every, "earlier-host-is-answered", 2,
+    "A host of an earlier minor version is served, or refused by PLR_E_UNSUPPORTED with a reason; the user must learn "
+    "that the host is too old, not that something went wrong.",
+    {"instance-is-accepted"}) {
+    Services services(bench.host());
+    services.abi_minor = PLR_ABI_MINOR - 1;
+    Surroundings surroundings;
+    surroundings.services = &services;
+    try {
+        bench.try_make("", surroundings);
+    } catch (const CreateFailed& failed) {
+        if (failed.status != PLR_E_UNSUPPORTED || failed.error.message[0] == 0)
+            FAIL("host of ABI " << PLR_ABI_MAJOR << "." << PLR_ABI_MINOR - 1 << ": create answered " << failed.what()
+                                << "; expected an instance, or PLR_E_UNSUPPORTED and a reason");
+    }
+}
+
+PELORUS_CHECK(
+    model, "longer-call-is-accepted", 2,
+    "A call whose plr_call and plr_error are longer at the tail is answered like any other; the caller may be of a "
+    "later minor version.",
+    {"numbers-finite"}) {
+    const auto instance = bench.make();
+    for (const HotCall& call : hot_calls(*instance, bench.sample(), 3)) {
+        ExecuteOptions longer;
+        longer.extra_struct_bytes = 64;
+        const Execution expected = execute_well(*instance, call), done = execute(*instance, call, longer);
+        if (!done.left_by.empty()) FAIL(call.function << " was left by " << done.left_by);
+        if (done.status != expected.status)
+            FAIL(call.function << ", called with a longer plr_call, answered " << done.told());
+        for (std::int64_t i = 0; i < call.count; ++i) {
+            std::string difference;
+            if (!same_item(call, expected, i, call, done, i, difference))
+                FAIL(call.function << ", called with a longer plr_call, answers otherwise: " << difference);
+        }
+    }
+}
+
+}  // namespace pelorus::conformance
