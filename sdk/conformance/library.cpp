@@ -43,21 +43,21 @@ PELORUS_CHECK(
                        << folder << "`, which is relative to the working directory: begin it with / or $ORIGIN");
 }
 
-PELORUS_CHECK(
-    library, "library-exports-one-symbol", 1,
-    "The library exports " PLR_ENTRY_SYMBOL
-    " and nothing else; any other symbol may stand in for one of the host's or of another "
-    "plugin's, which then crashes far from here.",
-    {}) {
+PELORUS_CHECK(library, "library-exports-one-symbol", 1,
+              "The library exports " PLR_ENTRY_SYMBOL
+              " and nothing else; any other symbol may stand in for one of the host's or of another "
+              "plugin's, which then crashes far from here.",
+              {}) {
     std::vector<std::string> others = read_elf(bench.task().library).exported;
     others.erase(std::remove(others.begin(), others.end(), PLR_ENTRY_SYMBOL), others.end());
     constexpr std::size_t shown = 10;
     if (others.empty()) return;
     const std::size_t count = others.size();
     if (count > shown) others.resize(shown);
-    FAIL(fmt::format("it also exports {} {}: {}{}; compile with -fvisibility=hidden and link with a version script "
-                     "(`{{ global: plr_entry; local: *; }};`)",
-                     count, count == 1 ? "symbol" : "symbols", fmt::join(others, ", "), count > shown ? ", ..." : ""));
+    FAIL(
+        fmt::format("it also exports {} {}: {}{}; compile with -fvisibility=hidden and link with a version script "
+                    "(`{{ global: plr_entry; local: *; }};`)",
+                    count, count == 1 ? "symbol" : "symbols", fmt::join(others, ", "), count > shown ? ", ..." : ""));
 }
 
 PELORUS_CHECK(

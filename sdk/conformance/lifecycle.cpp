@@ -17,9 +17,7 @@ namespace pelorus::conformance {
 
 namespace {
 
-double seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Every text and number of a description, so that a change is seen. Texts may move, what they say may not.
 std::string description_text(const plr_description& d) {
@@ -97,17 +95,21 @@ PELORUS_CHECK(
     {"instance-is-accepted"}) {
     bench.once_a_plugin();
     const std::string before = description_text(bench.description());
+    const auto compare = [&](const std::string& after_what) {
+        const std::string difference = first_difference(before, description_text(bench.description()));
+        if (!difference.empty()) FAIL("what it says of itself has changed after " << after_what << ": " << difference);
+    };
     for (const std::string& other : variations_of(bench)) {
         try {
             bench.try_make(other);
         } catch (const std::exception&) {
             // Values that do not go together; they were read all the same.
         }
+        compare("create with " + other);
     }
     const auto instance = bench.make();
     answers_of(*instance, bench.sample());
-    const std::string difference = first_difference(before, description_text(bench.description()));
-    if (!difference.empty()) FAIL("what it says of itself has changed: " << difference);
+    compare("the first calls");
 }
 
 PELORUS_CHECK(
@@ -147,11 +149,13 @@ PELORUS_CHECK(
     }
     const std::int64_t more_blocks = watch::blocks_in_use() - blocks;
     if (more_blocks > 0)
-        FAIL_CHECK(fmt::format("{} instances left {} blocks of memory behind, {:.2g} each; `valgrind --leak-check=full "
-                               "pelorus check` on a config with it names the line",
-                               count, more_blocks, static_cast<double>(more_blocks) / count));
+        FAIL_CHECK(
+            fmt::format("{} instances left {} blocks of memory behind, {:.2g} each; `valgrind --leak-check=full "
+                        "pelorus check` on a config with it names the line",
+                        count, more_blocks, static_cast<double>(more_blocks) / count));
     if (thread_count() > threads) FAIL_CHECK(count << " instances left " << thread_count() - threads << " threads");
-    if (open_file_count() > files) FAIL_CHECK(count << " instances left " << open_file_count() - files << " files open");
+    if (open_file_count() > files)
+        FAIL_CHECK(count << " instances left " << open_file_count() - files << " files open");
     if (count < most) note(fmt::format("{} instances in {} s", count, time_limit));
 }
 
@@ -181,8 +185,8 @@ PELORUS_CHECK(
                                  << first_difference(alone, beside));
     const std::string again = answers_of(*first, sample);
     if (again != answers)
-        FAIL("an instance before and after another one with " << other << " was made: "
-                                                              << first_difference(answers, again));
+        FAIL("an instance before and after another one with " << other
+                                                              << " was made: " << first_difference(answers, again));
 }
 
 PELORUS_CHECK(

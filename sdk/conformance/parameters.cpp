@@ -44,9 +44,7 @@ bool is_semantic_version(const char* text) {
     return *text == 0 || ((*text == '-' || *text == '+') && text[1] != 0);
 }
 
-bool is_text(const char* text) {
-    return text != nullptr && std::strspn(text, " \t\n") < std::strlen(text);
-}
+bool is_text(const char* text) { return text != nullptr && std::strspn(text, " \t\n") < std::strlen(text); }
 
 /// Whether the host can read a value in that unit. Answers its words if not.
 std::string unit_problem(const Bench& bench, const char* unit, std::int32_t elements) {
@@ -177,7 +175,8 @@ PELORUS_CHECK(
         try {
             const auto again = read(parameter, yaml);
             const std::string text = yaml_of(parameter, again->data()[0]);
-            if (text != yaml) FAIL_CHECK(name << ": `" << yaml << "`, written into a config, is read as `" << text << "`");
+            if (text != yaml)
+                FAIL_CHECK(name << ": `" << yaml << "`, written into a config, is read as `" << text << "`");
         } catch (const Refused& refused) {
             FAIL_CHECK(name << ": `" << yaml << "` cannot be written into a config: " << refused.what());
         }

@@ -40,10 +40,11 @@ void for_refusals(const Instance& holder,
 
 }  // namespace
 
-PELORUS_CHECK(every, "refusals-are-told", 2,
-              "A create that refuses answers a status, the same code in the error, one line of text, and in `where` the "
-              "parameter or slot; from that alone the user must find what to change in a config.",
-              {"bounds-are-survived", "absurd-values-are-survived"}) {
+PELORUS_CHECK(
+    every, "refusals-are-told", 2,
+    "A create that refuses answers a status, the same code in the error, one line of text, and in `where` the "
+    "parameter or slot; from that alone the user must find what to change in a config.",
+    {"bounds-are-survived", "absurd-values-are-survived"}) {
     const auto holder = bench.make();
     for_refusals(*holder, [&](const std::string& title, const plr_config& config) {
         const Creation refused(holder->plugin(), config);
@@ -52,10 +53,11 @@ PELORUS_CHECK(every, "refusals-are-told", 2,
     });
 }
 
-PELORUS_CHECK(every, "first-error-is-kept", 2,
-              "A create that finds an error told already leaves it alone; otherwise the last of several causes hides the "
-              "first.",
-              {"bounds-are-survived", "absurd-values-are-survived"}) {
+PELORUS_CHECK(
+    every, "first-error-is-kept", 2,
+    "A create that finds an error told already leaves it alone; otherwise the last of several causes hides the "
+    "first.",
+    {"bounds-are-survived", "absurd-values-are-survived"}) {
     const auto holder = bench.make();
     for_refusals(*holder, [&](const std::string& title, const plr_config& config) {
         plr_error error = empty_error();

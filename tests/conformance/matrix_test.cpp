@@ -49,7 +49,8 @@ Json reported(const fs::path& library, const Json& check) {
     Json all = Json::parse(ended.out)["checks"];
     if (check["level"] > 3) {
         words.push_back("--only=" + check["name"].get<std::string>());
-        for (const Json& more : Json::parse(run(words).out)["checks"])
+        const Json report = Json::parse(run(words).out);
+        for (const Json& more : report["checks"])
             if (more["level"] > 3) all.push_back(more);
     }
     return all;

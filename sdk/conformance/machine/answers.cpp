@@ -26,9 +26,9 @@ std::string call_text(const Instance& instance, const HotCall& call) {
             const auto values = HotCall::item_of(argument, done.out[a], i);
             for (std::size_t e = 0; e < values.size(); ++e) {
                 const auto in_matrix = static_cast<std::int64_t>(e) % (argument.rows * argument.cols);
-                text += fmt::format(
-                    "{}: {}: {:.17g}\n", call.function,
-                    element_name(argument, i, in_matrix % argument.rows, in_matrix / argument.rows), values[e]);
+                text += fmt::format("{}: {}: {:.17g}\n", call.function,
+                                    element_name(argument, i, in_matrix % argument.rows, in_matrix / argument.rows),
+                                    values[e]);
             }
         }
     }

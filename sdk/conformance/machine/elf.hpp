@@ -7,9 +7,10 @@
 namespace pelorus::conformance {
 
 struct ElfFacts {
-    std::vector<std::string> exported;     ///< symbols that others can link to
-    std::vector<std::string> needed;       ///< symbols that others must have; weak ones may be missing and are not told
-    std::vector<std::string> search_path;  ///< folders in which the loader looks for its libraries, `$ORIGIN` unexpanded
+    std::vector<std::string> exported;  ///< symbols that others can link to
+    std::vector<std::string> needed;    ///< symbols that others must have; weak ones may be missing and are not told
+    std::vector<std::string>
+        search_path;  ///< folders in which the loader looks for its libraries, `$ORIGIN` unexpanded
     bool has_executable_stack = false;
 };
 

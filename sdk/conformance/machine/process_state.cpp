@@ -60,7 +60,8 @@ std::vector<Setting> process_settings() {
     std::vector<Setting> settings{
         {"rounding of floating-point numbers", std::to_string(std::fegetround())},
         {"traps of floating-point faults", std::to_string(fegetexcept())},
-        {"treatment of denormal numbers", keeps_denormals() ? "kept" : "flushed to zero (-ffast-math at the link step)"},
+        {"treatment of denormal numbers",
+         keeps_denormals() ? "kept" : "flushed to zero (-ffast-math at the link step)"},
         {"locale", std::setlocale(LC_ALL, nullptr)},
         {"working directory", std::filesystem::current_path().string()},
         {"terminate handler", address_text(reinterpret_cast<const void*>(std::get_terminate()))}};

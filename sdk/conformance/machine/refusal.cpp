@@ -50,8 +50,9 @@ std::string refusal_problem(const Creation& refused, const plr_description& desc
     if (!problem.empty()) return fmt::format("create answered {}: {}", status_name(status), problem);
     if (error.item != -1) return fmt::format("create set error.item to {}; it has no items (-1)", error.item);
     if (status == PLR_E_EXCEPTION || status == PLR_E_ARGUMENT)
-        return fmt::format("create answered {}; a value that it cannot take is PLR_E_PARAMETER, and error.where names it",
-                           refused.told());
+        return fmt::format(
+            "create answered {}; a value that it cannot take is PLR_E_PARAMETER, and error.where names it",
+            refused.told());
     if (status != PLR_E_PARAMETER && status != PLR_E_PART) return {};
     const std::string where = error.where, head = where.substr(0, where.find_first_of(".["));
     const std::set<std::string> names = names_of(description);

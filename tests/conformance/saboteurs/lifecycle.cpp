@@ -61,7 +61,8 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
 
     void setup(const pelorus::Setup& setup) {
         owned = std::malloc(32);
-        if (NEAR_MISS("allocation-failures-are-answered") && owned == nullptr) owned = std::malloc(16);  // with less, then
+        if (NEAR_MISS("allocation-failures-are-answered") && owned == nullptr)
+            owned = std::malloc(16);  // with less, then
         if (owned == nullptr && !DEFECT("allocation-failures-are-answered")) throw std::bad_alloc();
         *static_cast<volatile char*>(owned) = 1;
         name = std::string("an instance with a name that needs memory of its own: ") + setup.address();
@@ -111,7 +112,8 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
     }
     const void* extension(const char* id) const noexcept {
         if (DEFECT("unknown-extensions-are-null") && std::strncmp(id, "pelorus.", 8) == 0) return &table();
-        if (NEAR_MISS("unknown-extensions-are-null") && std::strcmp(id, "org.example.extension/1") == 0) return &table();
+        if (NEAR_MISS("unknown-extensions-are-null") && std::strcmp(id, "org.example.extension/1") == 0)
+            return &table();
         return Base::extension(id);
     }
 };

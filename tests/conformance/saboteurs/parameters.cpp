@@ -30,7 +30,9 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
             .initially(is_far        ? "20000 m2/s3"
                        : is_at_bound ? "10000 m2/s3"
                                      : "1 m2/s3")
-            .min(DEFECT("description-is-accepted") ? 1e5 : NEAR_MISS("description-is-accepted") ? 1 : 0)
+            .min(DEFECT("description-is-accepted")      ? 1e5
+                 : NEAR_MISS("description-is-accepted") ? 1
+                                                        : 0)
             .max(NEAR_MISS("description-is-accepted") ? 1 : 1e4)
             .doc(DEFECT("description-is-complete") ? "" : "spectral density of the acceleration");
         plugin.parameter("decay", &Saboteur::decay)

@@ -32,8 +32,8 @@ __attribute__((section(PLR_MANIFEST_SECTION), used)) static const plr_manifest m
 #elif defined(NEAR_MISS_library_manifest_readable)
 /* A manifest of a later minor version: longer at the tail. */
 static const struct {
-  plr_manifest known;
-  char later[16];
+    plr_manifest known;
+    char later[16];
 } manifest __attribute__((section(PLR_MANIFEST_SECTION), used)) = {
     {PLR_MANIFEST_MAGIC, (uint32_t)sizeof(plr_manifest) + 16, PLR_ABI_MAJOR, PLR_ABI_MINOR, OWN_ID, "motion",
      PLR_MOTION, "1.0.0"},
@@ -68,40 +68,40 @@ PLR_MANIFEST(OTHER_ID, "motion", PLR_MOTION, "1.0.0");
 
 static const plr_plugin* factory(const char* id) {
 #if defined(OTHER_ID)
-  const plr_plugin* other = other_saboteur_plugin(OTHER_ID, id);
-  if (other != NULL) return other;
+    const plr_plugin* other = other_saboteur_plugin(OTHER_ID, id);
+    if (other != NULL) return other;
 #elif defined(DEFECT_library_answers_its_plugins)
-  if (strcmp(id, "org.example.motion.sabotuer") == 0) return saboteur_plugin(OWN_ID);
-  return NULL;
+    if (strcmp(id, "org.example.motion.sabotuer") == 0) return saboteur_plugin(OWN_ID);
+    return NULL;
 #elif defined(DEFECT_library_unknown_ids_are_null)
-  if (strncmp(id, OWN_ID, strlen(id)) == 0) return saboteur_plugin(OWN_ID); /* the length of the wrong one */
+    if (strncmp(id, OWN_ID, strlen(id)) == 0) return saboteur_plugin(OWN_ID); /* the length of the wrong one */
 #elif defined(DEFECT_library_factory_is_constant)
-  const plr_plugin* own = saboteur_plugin(id);
-  plr_plugin* answer = own == NULL ? NULL : malloc(sizeof *answer);
-  if (answer != NULL) memcpy(answer, own, sizeof *answer);
-  return answer;
+    const plr_plugin* own = saboteur_plugin(id);
+    plr_plugin* answer = own == NULL ? NULL : malloc(sizeof *answer);
+    if (answer != NULL) memcpy(answer, own, sizeof *answer);
+    return answer;
 #elif defined(NEAR_MISS_library_factory_is_constant)
-  static plr_plugin answer; /* made on the first question, and longer than its creator knows */
-  const plr_plugin* own = saboteur_plugin(id);
-  if (own == NULL) return NULL;
-  if (answer.create == NULL) answer = *own;
-  return &answer;
+    static plr_plugin answer; /* made on the first question, and longer than its creator knows */
+    const plr_plugin* own = saboteur_plugin(id);
+    if (own == NULL) return NULL;
+    if (answer.create == NULL) answer = *own;
+    return &answer;
 #elif defined(NEAR_MISS_library_descriptor_equals_manifest)
-  static plr_plugin answer;
-  static plr_description description;
-  static char kind[] = "motion", version[] = "1.0.0"; /* equal texts, not the same ones */
-  const plr_plugin* own = saboteur_plugin(id);
-  if (own == NULL) return NULL;
-  if (answer.create == NULL) {
-    description = *own->description;
-    description.kind = kind;
-    description.version = version;
-    answer = *own;
-    answer.description = &description;
-  }
-  return &answer;
+    static plr_plugin answer;
+    static plr_description description;
+    static char kind[] = "motion", version[] = "1.0.0"; /* equal texts, not the same ones */
+    const plr_plugin* own = saboteur_plugin(id);
+    if (own == NULL) return NULL;
+    if (answer.create == NULL) {
+        description = *own->description;
+        description.kind = kind;
+        description.version = version;
+        answer = *own;
+        answer.description = &description;
+    }
+    return &answer;
 #endif
-  return saboteur_plugin(id);
+    return saboteur_plugin(id);
 }
 
 /* What runs when it is loaded, started and ended. */
@@ -116,21 +116,21 @@ __attribute__((destructor)) static void tidy(void) { free(table); }
 __attribute__((constructor)) static void ignore_signals(void) { signal(SIGUSR2, SIG_IGN); }
 #elif defined(NEAR_MISS_library_keeps_process_settings)
 __attribute__((constructor)) static void try_without_signals(void) {
-  void (*const before)(int) = signal(SIGUSR2, SIG_IGN);
-  signal(SIGUSR2, before);
+    void (*const before)(int) = signal(SIGUSR2, SIG_IGN);
+    signal(SIGUSR2, before);
 }
 #endif
 
 #if defined(DEFECT_library_ends_well)
 static char* volatile held;
 static plr_status start(const plr_host* host, plr_error* error) {
-  (void)host, (void)error;
-  held = calloc(64, 1);
-  return PLR_OK;
+    (void)host, (void)error;
+    held = calloc(64, 1);
+    return PLR_OK;
 }
 static void end(void) {
-  free(held);
-  held = NULL;
+    free(held);
+    held = NULL;
 }
 __attribute__((destructor)) static void tidy(void) { held[0] = 1; } /* it is gone */
 #elif defined(NEAR_MISS_library_ends_well)
@@ -139,21 +139,21 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
 static int is_over;
 static void* work(void* nothing) {
-  pthread_mutex_lock(&mutex);
-  while (!is_over) pthread_cond_wait(&changed, &mutex);
-  pthread_mutex_unlock(&mutex);
-  return nothing;
+    pthread_mutex_lock(&mutex);
+    while (!is_over) pthread_cond_wait(&changed, &mutex);
+    pthread_mutex_unlock(&mutex);
+    return nothing;
 }
 static plr_status start(const plr_host* host, plr_error* error) {
-  (void)host, (void)error;
-  return pthread_create(&worker, NULL, &work, NULL) == 0 ? PLR_OK : PLR_E_MEMORY;
+    (void)host, (void)error;
+    return pthread_create(&worker, NULL, &work, NULL) == 0 ? PLR_OK : PLR_E_MEMORY;
 }
 static void end(void) {
-  pthread_mutex_lock(&mutex);
-  is_over = 1;
-  pthread_cond_signal(&changed);
-  pthread_mutex_unlock(&mutex);
-  pthread_join(worker, NULL);
+    pthread_mutex_lock(&mutex);
+    is_over = 1;
+    pthread_cond_signal(&changed);
+    pthread_mutex_unlock(&mutex);
+    pthread_join(worker, NULL);
 }
 #else
 #define start NULL
