@@ -14,6 +14,14 @@ void must_save(const StagePlayer& player) {
     if (table.save == nullptr) skip("the stage keeps no state (save is NULL)");
 }
 
+/// A run, as it stood when it was saved.
+struct Moment {
+    std::size_t step;
+    Bytes state;
+    std::vector<PublishedMessage> published;
+    std::int64_t time;
+};
+
 /// Bytes that are no state: nothing, parts of a state, noise.
 std::vector<std::pair<std::string, Bytes>> broken_states(const Bytes& state, Sample sample) {
     std::vector<std::pair<std::string, Bytes>> broken{{"no bytes at all", {}}};
@@ -63,42 +71,41 @@ PELORUS_CHECK(stage, "stage-resumes-bit-for-bit", 3,
               "A run that is saved, ended and loaded into another instance goes on as if nothing had happened: same "
               "messages, same files, same state, to the last bit. A killed run is resumed by it.",
               {"stage-state-resaves", "stage-same-bytes-again"}) {
-    TemporaryFolder folder;
     const Script script = plain_script(bench);
-    Bytes last_state;
-    Trace whole;
-    {
-        StagePlayer player(bench, in_folder(folder));
-        must_save(player);
-        play(player, script);
-        last_state = player.save();
-        player.finish_well();
-        whole = trace_of(player);
-    }
     const std::size_t n = script.steps();
-    for (const std::size_t split : {n / 5, n / 2, n - n / 5}) {
-        folder.clear();
-        std::vector<PublishedMessage> published;
-        Bytes state;
-        {
-            StagePlayer first(bench, in_folder(folder));
-            play(first, script, 0, split);
-            state = first.save();
-            published = first.published();
+    StagePlayer undisturbed(bench);
+    must_save(undisturbed);
+    play(undisturbed, script);
+    undisturbed.finish_well();
+    const Trace whole = trace_of(undisturbed);
+
+    // Another run saves now and then, goes on, and is ended unfinished.
+    TemporaryFolder folder;
+    std::vector<Moment> moments;
+    Bytes last_state;
+    {
+        StagePlayer ended(bench, in_folder(folder));
+        for (const std::size_t step : {n / 5, n / 2, n - n / 5, n}) {
+            play(ended, script, moments.empty() ? 0 : moments.back().step, step);
+            moments.push_back({step, ended.save(), ended.published(), ended.time()});
         }
+        last_state = moments.back().state;
+    }
+    for (const Moment& moment : moments) {
         StagePlayer second(bench, in_folder(folder));
-        const Answer answer = second.load(state);
+        second.set_time(moment.time);
+        const Answer answer = second.load(moment.state);
         if (!answer.is_ok()) FAIL("load answered " << answer.told);
-        play(second, script, split, n);
+        play(second, script, moment.step, n);
         const std::string saved = difference_of(last_state, second.save());
         second.finish_well();
         Trace halves = trace_of(second);
-        halves.published.insert(halves.published.begin(), published.begin(), published.end());
+        halves.published.insert(halves.published.begin(), moment.published.begin(), moment.published.end());
         const std::string difference = difference_of(whole, halves);
-        if (!difference.empty())
-            FAIL("whole and saved after step " << split << " of " << n << ", runs differ: " << difference);
-        if (!saved.empty())
-            FAIL("whole and saved after step " << split << " of " << n << ", runs end in other states: " << saved);
+        const std::string runs =
+            "whole, and resumed after step " + std::to_string(moment.step) + " of " + std::to_string(n) + ", runs ";
+        if (!difference.empty()) FAIL(runs << "differ: " << difference);
+        if (!saved.empty()) FAIL(runs << "end in other states: " << saved);
     }
 }
 

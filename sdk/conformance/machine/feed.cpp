@@ -29,10 +29,9 @@ const plr_stream* first_stream(const plr_port_type& type) noexcept {
     return type.stream_count == 0 ? nullptr : &element_of(type.streams, 0);
 }
 
-Eigen::MatrixXd extent_of(std::int64_t axes) {
-    const Eigen::Vector3d half_axes(10.0, 4.0, 3.0);
-    return half_axes.head(axes).cwiseAbs2().asDiagonal();
-}
+const Eigen::Vector3d half_axes(10.0, 4.0, 3.0);  // m, of a target
+
+Eigen::MatrixXd extent_of(std::int64_t axes) { return half_axes.head(axes).cwiseAbs2().asDiagonal(); }
 
 }  // namespace
 
@@ -56,6 +55,12 @@ plr_port_type port_type_of(const Instance& instance, bool is_output, std::uint32
 
 Feed::Feed(const Bench& bench, const Instance& instance, Sample sample, FeedOptions options)
     : bench_(bench), instance_(instance), sample_(sample), options_(std::move(options)), next_id_(options_.first_id) {
+    if (options_.points == 0) {
+        options_.points = 1;
+        const plr_description& description = instance.description();
+        for (std::uint32_t slot = 0; slot < description.slot_count; ++slot)
+            if (is(element_of(description.slots, slot).kind, "extent")) options_.points = 8;
+    }
     for (int t = 0; t < options_.targets; ++t) {
         starts_.emplace_back(2000.0 + 3000.0 * t + sample_.uniform(-200, 200),
                              1500.0 + 1000.0 * t + sample_.uniform(-200, 200), 500.0 + 200.0 * t);
@@ -121,7 +126,7 @@ std::vector<std::uint64_t> Feed::measurements_of(int target, std::int64_t tick) 
 
 /// Without noise, as a sensor at the origin would have it.
 double Feed::component(const plr_component& c, int target, std::int64_t time) const {
-    const Eigen::Vector3d p = position(target, time), v = velocities_[static_cast<std::size_t>(target)];
+    const Eigen::Vector3d p = position(target, time) + offset_, v = velocities_[static_cast<std::size_t>(target)];
     const int axis = axis_of(c.name);
     const bool has_axis = axis >= 0 && axis < 3;
     if (has_axis && std::strncmp(c.name, "position.", 9) == 0) return p(axis);
@@ -160,7 +165,15 @@ void Feed::add_scans(std::uint32_t port, const plr_port_type& type, std::int64_t
             if (target >= 0) seen_[{target, tick}].push_back(id);
             origins_[id] = target;
         };
-        for (const int target : living(tick)) add(state(*space.c(), target, time), target);
+        for (const int target : living(tick))
+            for (int point = 0; point < options_.points; ++point) {
+                if (options_.points > 1)
+                    offset_ = half_axes.cwiseProduct(
+                        Eigen::Vector3d(sample_.normal(), sample_.normal(), sample_.normal()) / 2);
+                const Eigen::VectorXd z = state(*space.c(), target, time);
+                offset_.setZero();
+                add(z, target);
+            }
         if (sample_.uniform() < options_.clutter && options_.targets > 0) {
             Eigen::VectorXd z = state(*space.c(), 0, time);
             for (int i = 0; i < space.size(); ++i) z(i) += sample_.uniform(100.0, 200.0) * deviations(i);

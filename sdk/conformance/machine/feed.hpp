@@ -23,7 +23,8 @@ struct Delivery {
 
 struct FeedOptions {
     int targets = 3;
-    std::int64_t ticks = 24;
+    int points = 0;  ///< measurements of a target in a scan; 0: 8 for a stage with a slot of kind `extent`, else 1
+    std::int64_t ticks = 18;
     std::int64_t first_tick = 0;
     std::uint64_t first_id = 1;                           ///< of measurements
     double clutter = 0.2;                                 ///< probability of a false alarm a scan
@@ -70,6 +71,7 @@ private:
     std::map<std::pair<int, std::int64_t>, std::vector<std::uint64_t>> seen_;  // by target and tick
     std::vector<Delivery> deliveries_;
     std::uint64_t next_id_;
+    Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // of the point that is measured, from the target's centre
 };
 
 /// The deviation of a measured component in the feed.

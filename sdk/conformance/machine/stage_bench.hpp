@@ -77,6 +77,9 @@ public:
     /// Fails the check where it cannot.
     Bytes save();
     Answer load(const Bytes& bytes);
+    /// The clock of the run (ns): where a resumed one begins, and where it has come to.
+    void set_time(std::int64_t time) noexcept { last_time_ = time; }
+    std::int64_t time() const noexcept { return last_time_; }
     /// Ends the instance, finished or not.
     void destroy() { instance_.reset(); }
 
