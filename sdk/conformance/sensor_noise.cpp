@@ -278,7 +278,7 @@ PELORUS_CHECK(
                                         0.1 * second_order(trial.measurement, j, deviations);
         const std::string off = first_difference(bias, Eigen::VectorXd::Zero(bias.size()), allowed, trial.inverse);
         if (!off.empty())
-            FAIL("invert: the mean error of " << off << " (within " << allowed.maxCoeff() << ") over " << count
+            FAIL("invert: the mean error of " << off << " (within " << text_of(allowed) << ") over " << count
                                               << " measurements of " << text_of(trial.x.col(i)) << " with deviations "
                                               << text_of(deviations));
         if (i == 0)
