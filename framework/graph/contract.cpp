@@ -7,6 +7,7 @@
 
 #include "graph/units.hpp"
 #include "host/description.hpp"
+#include "host/first_size.hpp"
 #include "host/plugin_error.hpp"
 #include "host/scratch.hpp"
 
@@ -59,9 +60,9 @@ public:
         });
         graph::need(status == PLR_OK, "info: " + host::error_text(status, error));
         graph::need(answer != nullptr, "info answered NULL");
-        graph::need(answer->struct_size >= sizeof(Info),
+        graph::need(answer->struct_size >= host::first_size<Info>,
                     "info: a struct_size of " + std::to_string(answer->struct_size) + " bytes, expected at least " +
-                        std::to_string(sizeof(Info)));
+                        std::to_string(host::first_size<Info>));
         graph::need(answer->scratch_bytes <= host::most_scratch_of_a_model,
                     "info: scratch_bytes is " + std::to_string(answer->scratch_bytes) + ", expected at most " +
                         std::to_string(host::most_scratch_of_a_model));
@@ -240,9 +241,10 @@ void check(const std::string& table_id, const plr_description& description, cons
 
 std::string space_problem(const plr_space* space, bool has_priors) {
     if (space == nullptr) return "is missing (NULL)";
-    if (space->struct_size < sizeof(plr_space)) return "has a struct_size of " + std::to_string(space->struct_size);
+    if (space->struct_size < host::first_size<plr_space>)
+        return "has a struct_size of " + std::to_string(space->struct_size);
     if (space->size == 0 || space->components == nullptr) return "has no components";
-    if (space->components->struct_size < sizeof(plr_component))
+    if (space->components->struct_size < host::first_size<plr_component>)
         return "has components with a struct_size of " + std::to_string(space->components->struct_size);
     std::set<std::string> names;
     for (std::uint32_t i = 0; i < space->size; ++i) {

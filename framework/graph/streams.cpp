@@ -10,6 +10,7 @@
 #include "graph/contract.hpp"
 #include "host/breadcrumb.hpp"
 #include "host/description.hpp"
+#include "host/first_size.hpp"
 #include "host/plugin_error.hpp"
 
 namespace pelorus::graph {
@@ -185,7 +186,7 @@ private:
         if (is_output && type.passes_on > in_port_count)
             return "passes on the streams of an in port that it does not have";
         if (type.stream_count == 0) return {};
-        if (type.streams == nullptr || type.streams->struct_size < sizeof(plr_stream))
+        if (type.streams == nullptr || type.streams->struct_size < host::first_size<plr_stream>)
             return "declares streams that cannot be read";
         for (std::uint32_t i = 0; i < type.stream_count; ++i) {
             const plr_stream& stream = element(type.streams, i);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "host/first_size.hpp"
 #include "host/kinds.hpp"
 #include "host/plugin_error.hpp"
 
@@ -57,8 +58,9 @@ private:
 template <class Element> void need_array(const Element* first, std::uint32_t count, const std::string& what) {
     if (count == 0) return;
     need(first != nullptr, "it claims " + std::to_string(count) + " " + what + " but gives none (NULL)");
-    need(first->struct_size >= sizeof(Element), what + ": a struct_size of " + std::to_string(first->struct_size) +
-                                                    " bytes, expected at least " + std::to_string(sizeof(Element)));
+    need(first->struct_size >= first_size<Element>, what + ": a struct_size of " + std::to_string(first->struct_size) +
+                                                        " bytes, expected at least " +
+                                                        std::to_string(first_size<Element>));
 }
 
 void check_choices(const plr_parameter& parameter, const std::string& where) {
@@ -173,9 +175,9 @@ void check_ports(const plr_port* ports, std::uint32_t count, const std::string& 
 }
 
 void check(const plr_description& description) {
-    need(description.struct_size >= sizeof(plr_description),
+    need(description.struct_size >= first_size<plr_description>,
          "a struct_size of " + std::to_string(description.struct_size) + " bytes, expected at least " +
-             std::to_string(sizeof(plr_description)));
+             std::to_string(first_size<plr_description>));
     const std::pair<const char*, const char*> texts[] = {
         {description.id, "id"},         {description.kind, "kind"},       {description.version, "version"},
         {description.title, "title"},   {description.purpose, "purpose"}, {description.equation, "equation"},

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/first_size.hpp"
+
 namespace pelorus::host {
 
 namespace {
@@ -26,8 +28,7 @@ constexpr Elf64_Half this_machine = EM_AARCH64;
 #error "Pelorus knows ELF on x86-64 and AArch64 only"
 #endif
 
-// A manifest of today; later ones only grow at the tail.
-constexpr std::size_t manifest_size = sizeof(plr_manifest);
+constexpr std::size_t manifest_size = first_size<plr_manifest>;
 constexpr std::uint64_t largest_section = 4096 * manifest_size;
 
 /// What is wrong with the file; ends the reading.
@@ -164,7 +165,7 @@ template <std::size_t Capacity> std::string text_field(const char (&field)[Capac
 /// One manifest at the start of `bytes`; answers the bytes that it takes.
 std::size_t read_manifest(const char* bytes, std::size_t available, const std::filesystem::path& library,
                           PluginFile& out) {
-    plr_manifest manifest;
+    plr_manifest manifest{};
     if (available < manifest_size) throw Malformed("malformed manifest: the section ends within it");
     std::memcpy(&manifest, bytes, manifest_size);
     if (std::memcmp(manifest.magic, PLR_MANIFEST_MAGIC, sizeof manifest.magic) != 0)

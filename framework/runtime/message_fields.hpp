@@ -21,6 +21,8 @@
 
 #include <pelorus/abi/abi.h>
 
+#include "host/first_size.hpp"
+
 namespace pelorus::runtime {
 
 enum FieldFlags : unsigned {
@@ -33,20 +35,7 @@ enum FieldFlags : unsigned {
 
 constexpr std::int64_t any_size = -1;
 
-/// Size of a struct in the first draft of the ABI: what every publisher has at least. Fields that came later read as
-/// zero.
-template <class Struct> constexpr std::uint32_t first_size = 0;
-template <> constexpr std::uint32_t first_size<plr_message> = 56;
-template <> constexpr std::uint32_t first_size<plr_scan> = 280;
-template <> constexpr std::uint32_t first_size<plr_tracks> = 352;
-template <> constexpr std::uint32_t first_size<plr_truth> = 192;
-template <> constexpr std::uint32_t first_size<plr_values> = 16;
-template <> constexpr std::uint32_t first_size<plr_table> = 96;
-template <> constexpr std::uint32_t first_size<plr_space> = 16;
-template <> constexpr std::uint32_t first_size<plr_component> = 40;
-template <> constexpr std::uint32_t first_size<plr_quantity> = 112;
-template <> constexpr std::uint32_t first_size<plr_column> = 48;
-template <> constexpr std::uint32_t first_size<plr_scalar> = 56;
+using host::first_size;  // fields that came later read as zero
 
 /// What we know of a struct that may be smaller or larger than ours.
 template <class Struct> Struct known_part(const void* from, std::uint32_t struct_size) {

@@ -7,6 +7,7 @@
 #include <pelorus/abi/diagnostics.h>
 #include <pelorus/abi/external.h>
 
+#include "host/first_size.hpp"
 #include "host/kinds.hpp"
 #include "runtime/implementation.hpp"
 #include "runtime/message_fields.hpp"
@@ -23,7 +24,7 @@ const plr_external* external_of(const Wiring::Node& node) {
     const plr_table_head& head = *node.instance.table;
     if (!head.extension) return nullptr;
     const auto* external = static_cast<const plr_external*>(head.extension(node.instance.self, PLR_EXTERNAL));
-    return external && external->struct_size >= sizeof(plr_external) ? external : nullptr;
+    return external && external->struct_size >= host::first_size<plr_external> ? external : nullptr;
 }
 
 void Runtime::Implementation::require_alive() const {

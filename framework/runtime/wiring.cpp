@@ -12,6 +12,7 @@
 #include "host/breadcrumb.hpp"
 #include "host/description.hpp"
 #include "host/plugin_error.hpp"
+#include "runtime/message_fields.hpp"
 
 namespace pelorus::runtime {
 namespace {
@@ -40,7 +41,7 @@ void ask_streams(const Wiring::Node& node, bool is_output, std::uint32_t index, 
                     fmt::format("node {} ({}), {} port {}: {}", node.name, node.plugin, is_output ? "out" : "in",
                                 port.name, host::error_text(status, error)));
     for (std::uint32_t i = 0; type.streams && i < type.stream_count; ++i)
-        port.streams.push_back(host::element(type.streams, i));
+        port.streams.push_back(known_element(type.streams, i));
     port.passes_on = type.passes_on;
 }
 

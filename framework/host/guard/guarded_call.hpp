@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/breadcrumb.hpp"
+#include "host/first_size.hpp"
 #include "host/guard/checked_call.hpp"
 #include "host/guard/registry.hpp"
 #include "host/plugin_error.hpp"
@@ -110,7 +111,7 @@ plr_status guarded_entry(const void* self, const plr_call* call, const Args* arg
                     std::string(Guarded::name) + " was called on an instance that does not live");
     const auto real = [&](const auto& given) { return (real_table<Table>(*record).*Function)(self, call, &given); };
     // Arguments of a holder that was built with later headers than this host may hold what the guard cannot follow.
-    const bool is_known = call != nullptr && args != nullptr && call->struct_size >= sizeof(plr_call) &&
+    const bool is_known = call != nullptr && args != nullptr && call->struct_size >= first_size<plr_call> &&
                           size_of(*args) >= sizeof(std::uint64_t) && size_of(*args) <= sizeof(Args);
     bool threw = false;
     const plr_status status = is_known && record->is_to_check(Guarded::index)

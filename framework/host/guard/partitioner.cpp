@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host/first_size.hpp"
 #include "host/guard/info.hpp"
 #include "host/guard/kinds.hpp"
 
@@ -69,7 +70,7 @@ template <> struct GuardedFunction<&plr_partitioner::split> {
         if (d < sizes.least_d || d > sizes.d)
             throw BrokenContract(fmt::format("points of {} dimensions, it takes {} to {}", d, sizes.least_d, sizes.d),
                                  -1, true);
-        if (args.out == nullptr || args.out->struct_size < sizeof(plr_partition))
+        if (args.out == nullptr || args.out->struct_size < first_size<plr_partition>)
             throw BrokenContract("out is missing or too short", -1, true);
         checks.shared_input("points", args.points, d, 1, count);
         checks.shared_input("covariance", args.covariance, d, d, count);
