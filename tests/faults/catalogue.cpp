@@ -79,7 +79,7 @@ Ended shell(const std::string& commands, const TemporaryFolder& folder) {
     options.folder = folder.path();
     const char* path = std::getenv("PATH");
     options.environment = {
-        {"PATH", fs::path(PELORUS_EXECUTABLE).parent_path().string() + ":" + (path == nullptr ? "/bin" : path)},
+        {"PATH", fs::path(PELORUS_SHIPPED_EXECUTABLE).parent_path().string() + ":" + (path == nullptr ? "/bin" : path)},
         {"PELORUS_PLUGIN_PATH", ""},
         {"FIXTURES", PELORUS_BUILD_DIR "/fixtures"},
         {"TEST_PLUGINS", PELORUS_TEST_PLUGINS},
@@ -95,6 +95,7 @@ Ended shell(const std::string& commands, const TemporaryFolder& folder) {
 /// What differs from run to run and from machine to machine, by name.
 std::string without_places(std::string text, const TemporaryFolder& folder) {
     replace_all(text, folder.path().string(), "${DIR}");
+    replace_all(text, fs::path(PELORUS_SHIPPED_EXECUTABLE).parent_path().parent_path().string(), "${BUILD}");
     replace_all(text, PELORUS_BUILD_DIR, "${BUILD}");
     static const std::regex stamp(R"((^|\n)\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3} )");
     return std::regex_replace(text, stamp, "$1");
