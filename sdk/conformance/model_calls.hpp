@@ -16,10 +16,7 @@ constexpr std::int64_t ordinary_batch = 7;
 /// attempt(instance, call) for every call of the subject.
 template <class Try> void for_calls(Bench& bench, Try&& attempt, std::int64_t count = ordinary_batch) {
     const auto instance = bench.make();
-    for (const HotCall& call : hot_calls(*instance, bench.sample(), count)) {
-        INFO(call.function);
-        attempt(*instance, call);
-    }
+    for (const HotCall& call : hot_calls(*instance, bench.sample(), count)) attempt(*instance, call);
 }
 
 /// The same for calls that work on batches.

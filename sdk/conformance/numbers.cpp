@@ -13,6 +13,7 @@ namespace {
 /// attempt(argument, item, values) for every output item that did not fail.
 template <class Try> void for_outputs(Bench& bench, Try&& attempt) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
+        INFO(call.function);
         const Execution done = execute_well(instance, call);
         for (std::size_t a = 0; a < call.out.size(); ++a)
             for (std::int64_t i = 0; i < call.count; ++i)

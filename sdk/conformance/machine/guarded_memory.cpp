@@ -6,7 +6,10 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <new>
+#include <vector>
 
 namespace pelorus::conformance {
 
@@ -57,14 +60,54 @@ int add_zone(const unsigned char* mapping, std::size_t mapped, const double* dat
 
 }  // namespace
 
+namespace {
+
+/// Mappings that are used again, because the system takes its time over making and ending them. By size; ready to be written.
+std::mutex kept_mutex;
+std::map<std::size_t, std::vector<unsigned char*>> kept;
+constexpr std::size_t most_kept_of_a_size = 64, largest_kept = std::size_t{1} << 20;
+
+unsigned char* new_mapping(std::size_t mapped) {
+    void* const memory = mmap(nullptr, mapped, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw std::bad_alloc();
+    auto* const mapping = static_cast<unsigned char*>(memory);
+    if (mprotect(mapping + page(), mapped - 2 * page(), PROT_READ | PROT_WRITE) != 0) throw std::bad_alloc();
+    return mapping;
+}
+
+unsigned char* take_mapping(std::size_t mapped) {
+    {
+        const std::lock_guard<std::mutex> lock(kept_mutex);
+        std::vector<unsigned char*>& same = kept[mapped];
+        if (!same.empty()) {
+            unsigned char* const mapping = same.back();
+            same.pop_back();
+            return mapping;
+        }
+    }
+    return new_mapping(mapped);
+}
+
+void give_back(unsigned char* mapping, std::size_t mapped, bool is_read_only) {
+    if (mapped <= largest_kept &&
+        (!is_read_only || mprotect(mapping + page(), mapped - 2 * page(), PROT_READ | PROT_WRITE) == 0)) {
+        const std::lock_guard<std::mutex> lock(kept_mutex);
+        std::vector<unsigned char*>& same = kept[mapped];
+        if (same.size() < most_kept_of_a_size) {
+            same.push_back(mapping);
+            return;
+        }
+    }
+    munmap(mapping, mapped);
+}
+
+}  // namespace
+
 GuardedMemory::GuardedMemory(std::size_t doubles, const ZoneName& name) : doubles_(doubles) {
     const std::size_t bytes = doubles * sizeof(double);
     const std::size_t inner = (bytes + page() - 1) / page() * page() + (bytes == 0 ? page() : 0);
     mapped_ = inner + 2 * page();
-    void* const memory = mmap(nullptr, mapped_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) throw std::bad_alloc();
-    mapping_ = static_cast<unsigned char*>(memory);
-    if (mprotect(mapping_ + page(), inner, PROT_READ | PROT_WRITE) != 0) throw std::bad_alloc();
+    mapping_ = take_mapping(mapped_);
     for (std::size_t at = 0; at < inner; at += sizeof pattern_bits)
         std::memcpy(mapping_ + page() + at, &pattern_bits, sizeof pattern_bits);
     data_ = reinterpret_cast<double*>(mapping_ + page() + inner - bytes);
@@ -76,7 +119,8 @@ GuardedMemory::GuardedMemory(GuardedMemory&& other) noexcept
       mapped_(other.mapped_),
       doubles_(other.doubles_),
       data_(other.data_),
-      zone_(other.zone_) {
+      zone_(other.zone_),
+      is_read_only_(other.is_read_only_) {
     other.mapping_ = nullptr;
     other.zone_ = -1;
 }
@@ -87,10 +131,13 @@ GuardedMemory::~GuardedMemory() {
         zone.mapping = nullptr;
         zone.is_taken = false;
     }
-    if (mapping_ != nullptr) munmap(mapping_, mapped_);
+    if (mapping_ != nullptr) give_back(mapping_, mapped_, is_read_only_);
 }
 
-void GuardedMemory::make_read_only() { mprotect(mapping_ + page(), mapped_ - 2 * page(), PROT_READ); }
+void GuardedMemory::make_read_only() {
+    mprotect(mapping_ + page(), mapped_ - 2 * page(), PROT_READ);
+    is_read_only_ = true;
+}
 
 void GuardedMemory::take_back() {
     mprotect(mapping_, mapped_, PROT_NONE);

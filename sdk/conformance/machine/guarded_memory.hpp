@@ -40,6 +40,7 @@ private:
     std::size_t mapped_ = 0, doubles_ = 0;
     double* data_ = nullptr;
     int zone_ = -1;
+    bool is_read_only_ = false;
 };
 
 /// What stands at an address that a plugin must not touch.

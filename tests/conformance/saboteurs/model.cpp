@@ -203,30 +203,34 @@ struct Batch {
         }
         return dt;
     }
-    /// How far the item gets in a step.
-    double way(std::int64_t i, std::int64_t first_of_block, double velocity, double dt) const {
+    /// Where the item gets in a step.
+    double moved(std::int64_t i, std::int64_t first_of_block, double position, double velocity, double dt) const {
         double d = velocity * dt;
+        bool is_off = false;
         if (DEFECT("same-bytes-again")) {
             static std::atomic<unsigned> odd{0};
-            if (odd++ % 2 == 1) d = a_bit_off(d);
+            if (odd++ % 2 == 1) is_off = true;
         }
-        if (DEFECT("same-bytes-of-another-instance") && model.number % 2 == 0) d = a_bit_off(d);
+        if (DEFECT("same-bytes-of-another-instance") && model.number % 2 == 0) is_off = true;
         if (NEAR_MISS("same-bytes-of-another-instance") && model.number % 2 == 0) d = dt * velocity;
         if (NEAR_MISS("same-bytes-in-another-process") && model.process % 2 == 0) d = dt * velocity;
         if (DEFECT("same-bytes-in-another-process")) d *= 1 + 1e-13 * static_cast<double>(model.process % 9973);
         const std::uint64_t* const ids = call.item_ids;
         if (ids != nullptr && i > 0 && ids[i] < ids[i - 1]) {
-            if (DEFECT("items-in-any-order")) d = a_bit_off(d);
+            if (DEFECT("items-in-any-order")) is_off = true;
             if (NEAR_MISS("items-in-any-order")) d = dt * velocity;
         }
-        if (DEFECT("thread-count-invariant") && first_of_block > 0 && i == first_of_block) d = a_bit_off(d);
+        if (DEFECT("thread-count-invariant") && first_of_block > 0 && i == first_of_block) is_off = true;
         if (DEFECT("extremes-are-survived")) {
             const double norm = velocity * velocity + 1;
             d *= norm * norm / (norm * norm);
         }
         if (NEAR_MISS("extremes-are-survived")) d = d / 4 * 4;
         if (NEAR_MISS("numbers-finite")) d += 1 / std::numeric_limits<double>::infinity();
-        return d;
+        if (DEFECT("batch-equals-singles"))
+            is_off = i < args.out.count / 4 * 4;  // the rest of a loop over four at once
+        if (NEAR_MISS("batch-equals-singles") && i < args.out.count / 4 * 4) d = dt * velocity;
+        return is_off && d != 0 ? a_bit_off(position + d) : position + d;
     }
     bool is_usable(double value) const {
         if (DEFECT("nan-is-flagged") && std::isnan(value)) return true;
@@ -261,10 +265,7 @@ struct Batch {
             }
             if (!NEAR_MISS("nan-is-flagged") && (!is_usable(position) || !is_usable(velocity)))
                 return refuse(PLR_E_NUMERIC, "the state is not finite", i);
-            const double d = way(i, first_of_block, velocity + drift, dt);
-            const bool is_vectorised = DEFECT("batch-equals-singles") && i < out.count / 4 * 4;
-            if (NEAR_MISS("batch-equals-singles") && i < out.count / 4 * 4) position = 0 + position;
-            position = is_vectorised ? std::fma(velocity + drift, dt, position) : position + d;
+            position = moved(i, first_of_block, position, velocity + drift, dt);
             if (DEFECT("numbers-finite") && velocity < 0) position += std::sqrt(velocity);
             const bool is_unchecked =
                 DEFECT("numbers-finite") || DEFECT("extremes-are-survived") || DEFECT("infinity-is-flagged");
