@@ -25,8 +25,9 @@ TOKEN = re.compile(r'^\#define\s+(?P<macro>PLR_\w+)\s+"(?P<text>[^"]*)"'
                    r'|\bstruct\s+(?P<struct>\w+)\s*\{'
                    r'|\benum\s*\w*\s*\{(?P<constants>[^}]*)\}', re.MULTILINE)
 ABIDW = ['abidw', '--no-corpus-path', '--no-comp-dir-path', '--no-architecture', '--no-elf-needed', '--no-parameter-names',
-         '--no-write-default-sizes', '--type-id-style', 'hash']
+         '--no-write-default-sizes', '--type-id-style', 'hash', '--load-all-types']
 ABIDIFF = ['abidiff', '--no-architecture', '--no-show-locs', '--harmless']
+COMPILER = os.environ.get('CC', 'cc')
 WHOLE = 'pelorus.abi'  # the id of what belongs to no table: describe.h, plugin.h, entry.h, ...
 
 
@@ -99,36 +100,36 @@ class Headers:
                 lines.append(f'void {name}(void);\nvoid {name}(void) {{}}\n')
         return ''.join(lines)
 
-    def compile(self, text, out, *flags):
+    def compile(self, text, out):
         source = out.with_suffix('.c')
         source.write_text(text)
-        run([os.environ.get('CC', 'cc'), '-std=c11', '-g', '-O0', '-shared', '-fPIC', '-I', self.folder, *flags, source, '-o', out])
-
-    def require_complete(self, folder):
-        """Every struct and constant that the compiler finds in the headers has a witness."""
-        library, types = folder / 'all.so', folder / 'all.xml'
-        self.compile(self.includes() + 'void all_types(void);\nvoid all_types(void) {}\n', library, '-fno-eliminate-unused-debug-types')
-        run([*ABIDW, '--load-all-types', library, '--out-file', types])
-        known = {name for names in self.structs.values() for name in names}
-        known |= {name for enums in self.constants.values() for names in enums for name in names}
-        own = [element for element in ElementTree.parse(types).iter()
-               if (element.get('filepath') or '').startswith(str(self.folder))]
-        named = [element for element in own if element.tag in ('class-decl', 'union-decl') and element.get('is-anonymous') != 'yes']
-        constants = [value for element in own if element.tag == 'enum-decl' for value in element.findall('enumerator')]
-        missing = {element.get('name') for element in [*named, *constants]} - known
-        if missing:
-            raise Trouble('without a witness, because abi.py cannot read how the headers declare them: ' + ', '.join(sorted(missing)))
+        # All types, also those that no witness reaches: _require_complete looks at them.
+        all_types = '-fstandalone-debug' if 'clang' in COMPILER else '-fno-eliminate-unused-debug-types'
+        run([COMPILER, '-std=c11', '-g', all_types, '-O0', '-shared', '-fPIC', '-I', self.folder, source, '-o', out])
 
     def records(self, folder):
         """{id: file}: what abidw says of the witness of each."""
-        self.compile(self.witness(self.ids), folder / 'witness.so')
-        run([*ABIDW, '--no-show-locs', folder / 'witness.so', '--out-file', folder / 'witness.xml'])
-        whole = Record(folder / 'witness.xml')
+        library, xml = folder / 'witness.so', folder / 'witness.xml'
+        self.compile(self.witness(self.ids), library)
+        run([*ABIDW, library, '--out-file', xml])
+        whole = Record(xml)
+        self._require_complete(whole)
         files = {}
         for identity in self.ids:
             files[identity] = folder / (re.sub(r'\W', '_', identity) + '.abi')
             whole.write_part(set(re.findall(r'\b(witness_\w+)\(void\);', self.witness([identity]))), files[identity])
         return files
+
+    def _require_complete(self, whole):
+        """Every struct and constant that the compiler finds in the headers has a witness."""
+        known = {name for names in self.structs.values() for name in names}
+        known |= {name for enums in self.constants.values() for names in enums for name in names}
+        own = [element for element in whole.root.iter() if (element.get('filepath') or '').startswith(str(self.folder))]
+        named = [element for element in own if element.tag in ('class-decl', 'union-decl') and element.get('is-anonymous') != 'yes']
+        constants = [value for element in own if element.tag == 'enum-decl' for value in element.findall('enumerator')]
+        missing = {element.get('name') for element in [*named, *constants]} - known
+        if missing:
+            raise Trouble('without a witness, because abi.py cannot read how the headers declare them: ' + ', '.join(sorted(missing)))
 
 
 class Record:
@@ -154,11 +155,14 @@ class Record:
             kept.append(declaration)
             for element in declaration.iter():
                 waiting += [self.place[value] for key, value in element.items() if key.endswith('-id') and value in self.place]
-        part = ElementTree.Element(self.root.tag, self.root.attrib)
+        part = ElementTree.Element(self.root.tag, {'version': self.root.get('version')})
         symbols = ElementTree.SubElement(part, 'elf-function-symbols')
         symbols.extend(symbol for symbol in self.root.iter('elf-symbol') if symbol.get('name') in functions)
         instr = ElementTree.SubElement(part, 'abi-instr', {'address-size': '64', 'path': 'witness.c', 'language': 'LANG_C11'})
         instr.extend(declaration for declaration in self.declared if declaration in kept)
+        for element in instr.iter():
+            for circumstance in ('filepath', 'line', 'column', 'is-non-reachable'):
+                element.attrib.pop(circumstance, None)
         ElementTree.indent(part)
         out.write_text(ElementTree.tostring(part, encoding='unicode') + '\n')
 
@@ -272,7 +276,6 @@ def look(headers, baseline, folder):
     """[(id, verdict, reason why it may not be recorded, report, file)] of all that differs."""
     recorded = sorted(str(path.relative_to(baseline).with_suffix('')) for path in baseline.rglob('*.abi') if path.is_file())
     policy = Policy(headers.ids, recorded)
-    headers.require_complete(folder)
     found = []
     for identity, now in headers.records(folder).items():
         verdict, report = compare(baseline / f'{identity}.abi', now, headers.tables)
