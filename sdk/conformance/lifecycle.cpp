@@ -132,7 +132,7 @@ PELORUS_CHECK(
     "makes many.",
     {"instance-is-accepted"}) {
     constexpr int warm_up = 32, most = 1000;
-    constexpr double time_limit = 0.15;  // s
+    constexpr double time_limit = 0.05;  // s
     const auto holder = bench.make();
     const auto make_one = [&] {
         const Creation made(holder->plugin(), holder->config());

@@ -15,16 +15,6 @@ namespace {
 
 constexpr double largest_count = 1e4;  // more elements, particles, threads ... are a matter of load, not of values
 
-std::string exception_text() {
-    try {
-        throw;
-    } catch (const std::exception& exception) {
-        return std::string("a std::exception: ") + exception.what();
-    } catch (...) {
-        return "an exception that is no std::exception";
-    }
-}
-
 bool has_numbers(const plr_parameter& parameter) noexcept {
     return parameter.type == PLR_TYPE_DOUBLE || parameter.type == PLR_TYPE_VECTOR || parameter.type == PLR_TYPE_MATRIX;
 }

@@ -120,16 +120,6 @@ template <class Struct> struct Longer {
     unsigned char later[64] = {};
 };
 
-std::string exception_text() {
-    try {
-        throw;
-    } catch (const std::exception& exception) {
-        return std::string("a std::exception: ") + exception.what();
-    } catch (...) {
-        return "an exception that is no std::exception";
-    }
-}
-
 }  // namespace
 
 Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOptions& options) {

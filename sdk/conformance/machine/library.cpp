@@ -64,6 +64,16 @@ std::string told(plr_status status, const plr_error& error) {
     return text;
 }
 
+std::string exception_text() {
+    try {
+        throw;
+    } catch (const std::exception& exception) {
+        return std::string("a std::exception: ") + exception.what();
+    } catch (...) {
+        return "an exception that is no std::exception";
+    }
+}
+
 Library::Library(const std::string& path) : path_(path) {
     void* const handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) FAIL("the library cannot be loaded: " << dlerror());

@@ -29,5 +29,7 @@ plr_error empty_error() noexcept;
 /// What a plugin told: `where: message (item 3)`, or the name of the status.
 std::string told(plr_status status, const plr_error& error);
 const char* status_name(plr_status status) noexcept;
+/// What the exception says that is being handled: one that has left a plugin.
+std::string exception_text();
 
 }  // namespace pelorus::conformance

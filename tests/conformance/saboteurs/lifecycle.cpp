@@ -2,8 +2,7 @@
 // says of itself. create is wrapped: the author layer's own would not do such things.
 #include <cstdlib>
 
-#include <pelorus/pelorus.hpp>
-
+#include "constant_velocity.hpp"
 #include "defect.h"
 
 namespace {
@@ -11,11 +10,8 @@ namespace {
 constexpr const char* own_id = "org.example.motion.saboteur_of_lifecycle";
 constexpr double largest = 1e4;
 
-struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
-    static constexpr std::uint32_t flags = PLR_MOTION_LINEAR | PLR_MOTION_CONSTANT_NOISE | PLR_MOTION_TIME_INVARIANT |
-                                           PLR_MOTION_EXACT_NOISE | PLR_MOTION_BACKWARD;
-    using Base = pelorus::KroneckerMotion<Saboteur, 2, 3>;
-    double intensity = 1, slowest = 0, fastest = largest, floor = 0;
+struct Saboteur : ConstantVelocity<Saboteur> {
+    double slowest = 0, fastest = largest, floor = 0;
     std::string name;
     void* owned = nullptr;
 
@@ -27,18 +23,7 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
     }
 
     static void describe(pelorus::Describe<Saboteur>& plugin) {
-        plugin.title("A motion with a defect")
-            .purpose("Nearly constant velocity, for the proof that the conformance suites can fail.")
-            .equation("F = [1 T; 0 1], Q = q [T^3/3 T^2/2; T^2/2 T]")
-            .source(
-                "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, "
-                "2001, equation 6.2.2-12");
-        plugin.parameter("intensity", &Saboteur::intensity)
-            .unit("m2/s3")
-            .initially("1 m2/s3")
-            .min(1e-3)
-            .max(largest)
-            .doc("spectral density of the acceleration");
+        describe_as(plugin).min(1e-3).max(largest);
         plugin.parameter("slowest", &Saboteur::slowest)
             .unit("m/s")
             .initially("1 m/s")
@@ -90,10 +75,7 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
             }
         }
     }
-    std::vector<double> priors() const { return {1e5, 100.0}; }
-    Block transition(double dt) const { return (Block() << 1, dt, 0, 1).finished(); }
     Block noise_block(double dt) const {
-        const double t = std::abs(dt);
         double density = intensity + floor;
         if (NEAR_MISS("instances-are-independent")) {
             static thread_local double last = -1, root = 0;  // a memory that knows what it is for
@@ -101,7 +83,7 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
             last = density;
             density = std::max(density, 0 * root);
         }
-        return density * (Block() << t * t * t / 3, dt * t / 2, dt * t / 2, t).finished();
+        return noise_of(dt, density);
     }
     Transition noise(const Posterior& posterior, const pelorus::Step& step) const {
         if (DEFECT("longer-call-is-accepted") && step.call->struct_size != sizeof(plr_call))
