@@ -99,7 +99,7 @@ PELORUS_CHECK(
         ++count;
         if (made.is_made()) continue;
         ++refused;
-        const std::string problem = refusal_problem(made, description);
+        const std::string problem = refusal_problem(made, description, true);
         if (!problem.empty()) FAIL("with {" << title << "}: " << problem);
     }
     set_subject_of_fault("");

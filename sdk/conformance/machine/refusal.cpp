@@ -38,7 +38,7 @@ std::string text_problem(const plr_error& error) {
 
 }  // namespace
 
-std::string refusal_problem(const Creation& refused, const plr_description& description) {
+std::string refusal_problem(const Creation& refused, const plr_description& description, bool are_described) {
     if (!refused.left_by().empty()) return refused.told();
     const plr_status status = refused.status();
     const plr_error& error = refused.error();
@@ -49,7 +49,7 @@ std::string refusal_problem(const Creation& refused, const plr_description& desc
     const std::string problem = text_problem(error);
     if (!problem.empty()) return fmt::format("create answered {}: {}", status_name(status), problem);
     if (error.item != -1) return fmt::format("create set error.item to {}; it has no items (-1)", error.item);
-    if (status == PLR_E_EXCEPTION || status == PLR_E_ARGUMENT)
+    if (are_described && (status == PLR_E_EXCEPTION || status == PLR_E_ARGUMENT))
         return fmt::format(
             "create answered {}; a value that it cannot take is PLR_E_PARAMETER, and error.where names it",
             refused.told());
