@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::int64_t batch = 5;
 
-Eigen::VectorXd drawn_steps(Sample& sample, std::int64_t count) {
-    Eigen::VectorXd dt(count);
-    for (Eigen::Index i = 0; i < count; ++i) dt(i) = sample.step();
-    return dt;
-}
-
 /// What rounding may do to a state that a step has moved: relative to the terms that it is summed of.
 Eigen::VectorXd rounding_of(const Eigen::MatrixXd& f, const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
     return f.cwiseAbs() * x.cwiseAbs() + y.cwiseAbs();
@@ -108,7 +102,7 @@ PELORUS_CHECK(motion, "motion-jacobian-is-derivative", 3,
     MotionTrial trial(bench);
     const MotionItems items = trial.draw(batch);
     const Eigen::MatrixXd x = states_of(items);
-    const Eigen::VectorXd dt = drawn_steps(trial.sample, batch);
+    const Eigen::VectorXd dt = trial.drawn_steps(batch);
     const auto said = trial.jacobian(dt, items);
     std::vector<Differences> differences;
     for (Eigen::Index i = 0; i < batch; ++i) differences.emplace_back(x.col(i), trial.scales);
@@ -157,7 +151,7 @@ PELORUS_CHECK(motion, "motion-steps-compose", 3,
     MotionTrial trial(bench);
     if (!trial.has(PLR_MOTION_TIME_INVARIANT)) skip("does not say TIME_INVARIANT");
     const MotionItems items = trial.draw(batch);
-    const Eigen::VectorXd a = drawn_steps(trial.sample, batch), b = drawn_steps(trial.sample, batch);
+    const Eigen::VectorXd a = trial.drawn_steps(batch), b = trial.drawn_steps(batch);
     const Eigen::MatrixXd between = trial.propagate(a, items), after = trial.propagate(b, between, items);
     const Eigen::MatrixXd at_once = trial.propagate(a + b, items);
     const auto fa = trial.jacobian(a, items), fb = trial.jacobian(b, between, items),
@@ -188,7 +182,7 @@ PELORUS_CHECK(motion, "motion-backward-undoes-forward", 3,
     if (!trial.has(PLR_MOTION_BACKWARD)) skip("does not say BACKWARD");
     if (!trial.has(PLR_MOTION_TIME_INVARIANT)) skip("does not say TIME_INVARIANT");
     const MotionItems items = trial.draw(batch);
-    const Eigen::VectorXd dt = drawn_steps(trial.sample, batch);
+    const Eigen::VectorXd dt = trial.drawn_steps(batch);
     const Eigen::MatrixXd before = states_of(items), after = trial.propagate(dt, items);
     const Eigen::MatrixXd back = trial.propagate(-dt, after, items);
     const auto f = trial.jacobian(dt, items), b = trial.jacobian(-dt, after, items);
@@ -212,7 +206,7 @@ PELORUS_CHECK(motion, "motion-refuses-backward-steps", 2,
     MotionTrial trial(bench);
     if (trial.has(PLR_MOTION_BACKWARD)) skip("says BACKWARD");
     const MotionItems items = trial.draw(3);
-    const Eigen::VectorXd forward = drawn_steps(trial.sample, 3);
+    const Eigen::VectorXd forward = trial.drawn_steps(3);
     Eigen::VectorXd dt = forward;
     dt(1) = -dt(1);
     using namespace motion_calls;

@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::int64_t batch = 5;
 
-Eigen::VectorXd drawn_steps(Sample& sample, std::int64_t count) {
-    Eigen::VectorXd dt(count);
-    for (Eigen::Index i = 0; i < count; ++i) dt(i) = sample.step();
-    return dt;
-}
-
 /// Every row r of the small matrix on every axis.
 Eigen::MatrixXd spread(const Eigen::MatrixXd& block, Eigen::Index dimension) {
     Eigen::MatrixXd full = Eigen::MatrixXd::Zero(block.rows() * dimension, block.cols() * dimension);
@@ -57,7 +51,7 @@ PELORUS_CHECK(motion, "motion-noise-composes", 3,
     MotionTrial trial(bench);
     if (!trial.has(PLR_MOTION_EXACT_NOISE)) skip("does not say EXACT_NOISE");
     const MotionItems items = trial.draw(batch);
-    const Eigen::VectorXd a = drawn_steps(trial.sample, batch), b = drawn_steps(trial.sample, batch);
+    const Eigen::VectorXd a = trial.drawn_steps(batch), b = trial.drawn_steps(batch);
     const auto qa = trial.noise(a, items), qb = trial.noise(b, items), qab = trial.noise(a + b, items);
     const auto fb = trial.jacobian(b, trial.propagate(a, items), items);
     for (std::size_t i = 0; i < qa.size(); ++i) {
@@ -141,7 +135,7 @@ PELORUS_CHECK(
     if (structure == nullptr) skip(std::string("does not offer ") + PLR_MOTION_STRUCTURE);
     if (std::int64_t{structure->block} * structure->dimension != trial.n) skip("its sizes do not fit the state");
     const MotionItems items = trial.draw(batch);
-    Eigen::VectorXd dt = drawn_steps(trial.sample, batch);
+    Eigen::VectorXd dt = trial.drawn_steps(batch);
     if (trial.has(PLR_MOTION_BACKWARD)) dt(batch - 1) = -dt(batch - 1);
     const auto f = trial.jacobian(dt, items), q = trial.noise(dt, items);
     for (Eigen::Index i = 0; i < batch; ++i) {
@@ -166,7 +160,7 @@ PELORUS_CHECK(motion, "motion-noise-factor-agrees", 3,
     if (factor == nullptr) skip(std::string("does not offer ") + PLR_MOTION_NOISE_FACTOR);
     if (factor->columns < 1 || factor->columns > trial.n) skip("its size does not fit the state");
     const MotionItems items = trial.draw(batch);
-    Eigen::VectorXd dt = drawn_steps(trial.sample, batch);
+    Eigen::VectorXd dt = trial.drawn_steps(batch);
     if (trial.has(PLR_MOTION_BACKWARD)) dt(batch - 1) = -dt(batch - 1);
     const auto q = trial.noise(dt, items);
     const auto g = answered_matrices(

@@ -57,8 +57,7 @@ PELORUS_CHECK(motion, "motion-points-equal-singles", 3,
               {}) {
     MotionTrial trial(bench);
     const MotionItems items = trial.draw(batch);
-    Eigen::VectorXd dt(batch);
-    for (Eigen::Index i = 0; i < batch; ++i) dt(i) = trial.sample.step();
+    const Eigen::VectorXd dt = trial.drawn_steps(batch);
     using namespace motion_calls;
     const Argument points = points_about(trial, items, 4);
     compare_points(trial, motion_calls::propagate(*trial.instance, steps(dt), points, items.record, items.state),
@@ -134,8 +133,7 @@ PELORUS_CHECK(motion, "motion-record-advances-in-place", 3,
     MotionTrial trial(bench);
     if (trial.info.record_size == 0) skip("keeps no record");
     const MotionItems items = trial.draw(batch);
-    Eigen::VectorXd dt(batch);
-    for (Eigen::Index i = 0; i < batch; ++i) dt(i) = trial.sample.step();
+    const Eigen::VectorXd dt = trial.drawn_steps(batch);
     const MotionItems later = trial.draw(batch);  // a posterior other than the one that the record remembers
     const HotCall apart =
         motion_calls::advance_record(*trial.instance, steps(dt), later.state, later.covariance, items.record);

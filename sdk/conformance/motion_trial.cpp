@@ -37,6 +37,12 @@ MotionItems MotionTrial::draw(std::int64_t count) {
     return items_at(drawn);
 }
 
+Eigen::VectorXd MotionTrial::drawn_steps(std::int64_t count) {
+    Eigen::VectorXd dt(count);
+    for (Eigen::Index i = 0; i < count; ++i) dt(i) = sample.step();
+    return dt;
+}
+
 MotionItems MotionTrial::items_at(const Eigen::MatrixXd& at) {
     MotionItems items;
     items.count = at.cols();

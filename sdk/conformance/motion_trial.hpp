@@ -28,6 +28,8 @@ public:
 
     bool has(unsigned flag) const noexcept { return (info.flags & flag) != 0; }
     MotionItems draw(std::int64_t count);
+    /// Seconds, forward.
+    Eigen::VectorXd drawn_steps(std::int64_t count);
     /// Items of these states, an item a column.
     MotionItems items_at(const Eigen::MatrixXd& states);
 
