@@ -29,14 +29,15 @@ void try_each(const Instance& holder, const std::vector<Trial>& trials) {
     set_subject_of_fault("");
 }
 
-/// A value within the bounds; of parameters without, near their default or anywhere.
+/// A value within the bounds; of parameters without, some plausible one.
 double random_within(const plr_parameter& parameter, Sample& sample) {
     const double least = std::max(parameter.min, -1e6), most = std::min(parameter.max, 1e6);
-    const bool excludes_min = (parameter.flags & PLR_PARAMETER_MIN_EXCLUSIVE) != 0;
     const double wide = sample.uniform(least, most);
-    const double narrow = least > 0 || most < 0 ? wide : std::min(most, std::max(least, sample.normal()));
+    const double narrow = std::min(most, std::max(least, sample.normal()));
     const double value = sample.below(2) == 0 ? wide : narrow;
-    return excludes_min && value <= parameter.min ? most : value;
+    const bool is_excluded = (value <= parameter.min && (parameter.flags & PLR_PARAMETER_MIN_EXCLUSIVE) != 0) ||
+                             (value >= parameter.max && (parameter.flags & PLR_PARAMETER_MAX_EXCLUSIVE) != 0);
+    return is_excluded ? least + (most - least) / 2 : value;
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ public:
         return std::llround(static_cast<long double>(tick) * static_cast<long double>(period_));
     }
 
-    /// How many ticks lie in 0 .. end, within one; not finite or negative where the period is none.
+    /// How many ticks have times 0 .. end, within one; not finite or negative where the period is none.
     double ticks_until(std::int64_t end) const noexcept {
-        return std::isfinite(period_) ? static_cast<double>(end) / period_ + 1 : period_;
+        return std::isfinite(period_) ? std::floor((static_cast<double>(end) + 0.5) / period_) + 1 : period_;
     }
 
 private:
