@@ -98,6 +98,9 @@ HotCall blocks(const Instance& instance, double dt) {
                 output("q1", extension->block, extension->block, Content::covariance)};
     call.invoke = [extension, self = instance.self()](const plr_call& context, const Views& v) {
         if (v.out[0].count == 0) return plr_status{PLR_OK};
+        // Bare pointers tell the plugin no shape that it could refuse.
+        if (v.out[0].rows != std::int64_t{extension->block} * extension->block || v.out[1].rows != extension->block)
+            return plr_status{PLR_E_ARGUMENT};
         return extension->blocks(self, &context, *v.in[0].data, v.out[0].data, v.out[1].data);
     };
     return call;

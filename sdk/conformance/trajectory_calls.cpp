@@ -56,6 +56,9 @@ HotCall states(const Instance& instance, const Argument& record, const std::vect
                 integers("deaths")};
     call.invoke = [trajectory = &table(instance), self = instance.self(), times](const plr_call& context,
                                                                                  const Views& v) {
+        // Bare pointers tell the plugin no shape that it could refuse.
+        for (const std::size_t integer : {ids_out, parents_out, births_out, deaths_out})
+            if (v.out[integer].rows != v.out[states_out].count) return plr_status{PLR_E_ARGUMENT};
         plr_const_view one_record = v.in[0];
         one_record.count = 1;
         const plr_trajectory_states args{sizeof args,
