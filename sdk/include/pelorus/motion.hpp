@@ -227,6 +227,7 @@ private:
                 const std::int64_t points = args->out.cols;
                 expect(args->in, N, points, args->out.count, "in");
                 expect(args->out, C, points, args->out.count, "out");
+                if (args->jacobian.data != nullptr) expect(args->jacobian, C, N, args->out.count, "jacobian");
                 return for_items(*call, args->out.count, [&](std::int64_t i) {
                     for (std::int64_t p = 0; p < points; ++p)
                         store<C, 1>(args->out, i, self_of(self).to_cartesian(load_column<N>(args->in, i, p)), p);
@@ -246,6 +247,7 @@ private:
                 const std::int64_t points = args->out.cols;
                 expect(args->in, C, points, args->out.count, "in");
                 expect(args->out, N, points, args->out.count, "out");
+                if (args->jacobian.data != nullptr) expect(args->jacobian, N, C, args->out.count, "jacobian");
                 return for_items(*call, args->out.count, [&](std::int64_t i) {
                     for (std::int64_t p = 0; p < points; ++p)
                         store<N, 1>(args->out, i, self_of(self).from_cartesian(load_column<C>(args->in, i, p)), p);

@@ -104,8 +104,8 @@ private:
             if (DEFECT("motion-structure-agrees")) f.transposeInPlace();  // row by row
             if (NEAR_MISS("motion-structure-agrees")) f(0, 1) *= 1 + 1e-14;
             const Block q = of(self).noise_block(dt);
-            std::copy_n(f.data(), 4, f1);
-            std::copy_n(q.data(), 4, q1);
+            pelorus::store<2, 2>(pelorus::view(f1, 2, 2, 1), 0, f);
+            pelorus::store<2, 2>(pelorus::view(q1, 2, 2, 1), 0, q);
         });
     }
     static plr_status factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
