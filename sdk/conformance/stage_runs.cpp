@@ -176,7 +176,7 @@ PELORUS_CHECK(
     stage, "stage-refusal-changes-nothing", 3,
     "A message that is refused by PLR_E_DATA leaves the state as it was; the host counts it and goes on as if "
     "it had not come.",
-    {"stage-state-resaves", "stage-survives-disorder"}) {
+    {"stage-state-resaves", "stage-survives-disorder", "stage-survives-odd-messages"}) {
     must_have_in_ports(bench);
     const Script script = plain_script(bench);
     StagePlayer player(bench);

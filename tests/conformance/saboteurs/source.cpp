@@ -51,6 +51,8 @@ struct Saboteur : pelorus::Stage<Saboteur> {
         if (DEFECT("source-arrivals-ascend") && k % 2 == 0) coming.arrival += second + second / 2;
         if (NEAR_MISS("source-arrivals-ascend")) coming.arrival = (k + k % 2) * second;
         if (DEFECT("source-next-changes-nothing")) coming.arrival += asked;
+        // Counted, and never told.
+        if (NEAR_MISS("source-next-changes-nothing")) asked = asked % 7 + 1;
         return coming;
     }
 

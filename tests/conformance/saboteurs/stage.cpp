@@ -76,6 +76,7 @@ struct Saboteur : pelorus::Stage<Saboteur> {
             copy.measurements.data = own.data();
         }
         publish_scan(copy, event.time);
+        if (NEAR_MISS("stage-resumes-bit-for-bit")) copied.push_back(passed);  // not saved, and never told
         if (passed > 0) gaps += event.time - newest;
         newest = event.time;
         ++passed;
@@ -90,6 +91,7 @@ struct Saboteur : pelorus::Stage<Saboteur> {
         if (DEFECT("stage-ends-at-any-time") && passed == 0) throw pelorus::NumericError("there is no mean of nothing");
         if (DEFECT("stage-finish-repeats-nothing") && last_id != 0) publish_last(newest);
         if (NEAR_MISS("stage-finish-repeats-nothing") && last_id != 0) publish_last(newest + 1);
+        if (NEAR_MISS("stage-ends-at-any-time") && passed == 0) return;  // nothing to tell
         publish_results(event.time);
     }
 
@@ -149,9 +151,10 @@ private:
             if (hoard.size() > 20) hoard.pop_front();
         }
         if (DEFECT("stage-survives-lack-of-memory") || NEAR_MISS("stage-survives-lack-of-memory")) {
-            auto* volatile const room = static_cast<double*>(std::malloc(sizeof(double)));
+            void* (*volatile const take)(std::size_t) = &std::malloc;  // or the compiler does without it
+            auto* const room = static_cast<double*>(take(sizeof(double)));
             if (room == nullptr && NEAR_MISS("stage-survives-lack-of-memory")) throw std::bad_alloc();
-            *room = 1;
+            *static_cast<volatile double*>(room) = 1;
             std::free(room);
         }
     }
