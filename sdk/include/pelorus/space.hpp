@@ -34,9 +34,11 @@ public:
         rebuild();
     }
     Space(const Space& other) : components_(other.components_) { rebuild(); }
-    // Moved vectors keep their elements where they are, and with them the texts that raw_ points to: nothing is allocated.
+    // Names stay where they are when a vector changes hands: nothing is allocated, so nothing can fail.
     Space(Space&& other) noexcept : components_(std::move(other.components_)), raw_(std::move(other.raw_)) {
         point();
+        other.components_.clear();
+        other.raw_.clear();
         other.point();
     }
     Space& operator=(Space other) noexcept {
