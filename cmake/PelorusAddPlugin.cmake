@@ -56,7 +56,7 @@ function(pelorus_add_plugin NAME)
                         "-Wl,--version-script=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.map")
 
     if(TARGET pelorus_warnings) # the Pelorus tree; other authors choose their own warnings
-        target_link_libraries(${target} PRIVATE pelorus_warnings)
+        target_link_libraries(${target} PRIVATE pelorus_warnings pelorus_race_detector)
         set_property(GLOBAL APPEND PROPERTY PELORUS_PLUGINS ${target})
     endif()
 

@@ -116,6 +116,7 @@ PELORUS_CHECK(model, "wrong-shapes-refused", 3,
               "not read; whoever writes or reads on regardless corrupts what lies behind.",
               {"no-items"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
+        if (call.takes_pointers) return;
         const auto attempt = [&](const Argument& argument, HotCall wrong, bool is_output, std::size_t a) {
             if (argument.is_absent || argument.rows * argument.cols == 0) return;
             Argument& changed = is_output ? wrong.out[a] : wrong.in[a];

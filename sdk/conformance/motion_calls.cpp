@@ -92,6 +92,7 @@ HotCall blocks(const Instance& instance, double dt) {
     const auto* extension = instance.extension<plr_motion_structure>(PLR_MOTION_STRUCTURE);
     HotCall call = make_call("structure.blocks", 1);
     call.is_per_item = false;
+    call.takes_pointers = true;
     call.in = {input("dt", 1, 1, 1, [dt](double* out, std::int64_t) { *out = dt; })};
     // F1 as one column: the table takes bare pointers, column-major whatever the strides of views.
     call.out = {output("f1", std::int64_t{extension->block} * extension->block, 1),

@@ -102,6 +102,7 @@ void try_group(const std::string& group) {
     const Json checks = listed_checks();
     for (const Json& check : checks) {
         if (check["group"] != group) continue;
+        if (check["name"] == "threads-race-free") continue;  // skipped in this build; the preset tsan tries it
         DYNAMIC_SECTION(check["name"].get<std::string>()) {
             try_saboteur(checks, check);
             try_near_miss(check);

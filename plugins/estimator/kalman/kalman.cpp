@@ -208,9 +208,10 @@ plr_status Kalman::summary(const plr_call& call, const plr_estimator_moments& ar
         return for_good_items(block, items, [&](std::int64_t i) {
             if (!wanted) return;
             using Convert = small::Bounded<max_state, max_state>;
+            Eigen::Map<Convert> out(at(args.covariance, first + i), c_, c_);
             small::symmetric_product(Eigen::Map<const Convert>(at(convert.jacobian, i), c_, n_),
-                                     Eigen::Map<const Convert>(at(covariance(records), i), n_, n_),
-                                     Eigen::Map<Convert>(at(args.covariance, first + i), c_, c_));
+                                     Eigen::Map<const Convert>(at(covariance(records), i), n_, n_), out);
+            if (!small::all_finite(out)) throw pelorus::NumericError(text(Outcome::not_finite));
         });
     });
 }
@@ -223,7 +224,12 @@ plr_status Kalman::moments(const plr_call& call, const plr_estimator_moments& ar
     return pelorus::for_items(call, count, [&](std::int64_t i) {
         const Moments from = moments_of(at(args.record, i));
         std::copy_n(from.mean, n_, at(args.mean, i));
-        if (args.covariance.data != nullptr) std::copy_n(from.covariance, n_ * n_, at(args.covariance, i));
+        bool is_finite = small::all_finite(Eigen::Map<const Eigen::VectorXd>(from.mean, n_));
+        if (args.covariance.data != nullptr) {
+            std::copy_n(from.covariance, n_ * n_, at(args.covariance, i));
+            is_finite = is_finite && small::all_finite(Eigen::Map<const Eigen::VectorXd>(from.covariance, n_ * n_));
+        }
+        if (!is_finite) throw pelorus::NumericError(text(Outcome::not_finite));
     });
 }
 

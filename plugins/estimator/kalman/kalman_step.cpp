@@ -40,7 +40,11 @@ plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_p
         if (dt != last_dt || call.input_stride != 0) {
             last_dt = std::numeric_limits<double>::quiet_NaN();
             const plr_call here = slice(call, i);
-            pelorus::require(structure_->blocks(motion_.self(), &here, dt, f1, q1));
+            const bool was_told = call.error->code != PLR_OK;
+            const plr_status status = structure_->blocks(motion_.self(), &here, dt, f1, q1);
+            // It speaks of a time step; the caller wants to know of which item.
+            if (status != PLR_OK && !was_told && call.error->item < 0) call.error->item = call.item_offset + i;
+            pelorus::require(status);
             last_dt = dt;
         }
         require(by_blocks_(structure_->block, structure_->dimension, f1, q1, moments_of(at(args.record, i)),

@@ -46,7 +46,7 @@ template <int D> struct InverseWishart {
     /// Throws NumericError unless the expected extent is positive definite.
     void write(double* record) const {
         Matrix<D> root;
-        if (!(degrees > 2 * D + 2) || !pelorus::small::cholesky(scale, root))
+        if (!(degrees > 2 * D + 2) || !pelorus::small::all_finite(scale) || !pelorus::small::cholesky(scale, root))
             throw pelorus::NumericError("the extent is no longer positive definite");
         record[0] = degrees;
         for (int k = 0; k < D * D; ++k) record[1 + k] = scale.data()[k];
@@ -104,6 +104,14 @@ InverseWishart<D> begin_shape(Start start, double lambda, const plr_extent_point
     const Matrix<D> noise = (first.number * first.noise + second.number * second.noise) / total;
     const Matrix<D> scaled = with_floor<D>(spread - noise, 0.05 * spread.trace() / D);
     return {2 * D + 2 + second.number, second.number / lambda * scaled};
+}
+
+/// Throws ArgumentError unless the outputs of a shape call, as far as they are wanted, are of D dimensions.
+template <int D> void expect_shape(const plr_extent_shape& args) {
+    const std::int64_t count = args.matrix.count;
+    pelorus::expect(args.matrix, D, D, count, "matrix");
+    if (args.half_axes.data != nullptr) pelorus::expect(args.half_axes, D, 1, count, "half_axes");
+    if (args.axes.data != nullptr) pelorus::expect(args.axes, D, D, count, "axes");
 }
 
 /// The shape outputs of an extent matrix: half axes descending, each axis with its largest component positive.

@@ -152,7 +152,7 @@ public:
     plr_status shape(const plr_call& call, const plr_extent_shape& args) const {
         const std::int64_t count = args.matrix.count;
         pelorus::expect(args.record, this->info.record_size, 1, count, "record");
-        pelorus::expect(args.matrix, D, D, count, "matrix");
+        expect_shape<D>(args);
         return pelorus::for_items(
             call, count, [&](std::int64_t i) { store_shape<D>(read(args.record, i).shape.extent(), args, i); });
     }

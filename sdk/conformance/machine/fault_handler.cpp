@@ -60,8 +60,8 @@ const char* signal_words(int signal) noexcept {
 void describe_hit(const ZoneHit& hit, bool is_write, char* text, std::size_t size) noexcept {
     const char* const verb = is_write ? "wrote" : "read";
     if (hit.is_taken_back)
-        std::snprintf(text, size, "%s `%s`, which was lent for a call of %s that is over; copy what is to be kept", verb,
-                      hit.array, hit.function);
+        std::snprintf(text, size, "%s `%s`, which was lent for a call of %s that is over; copy what is to be kept",
+                      verb, hit.array, hit.function);
     else if (hit.is_read_only)
         std::snprintf(text, size, "%s wrote to its input `%s`", hit.function, hit.array);
     else if (hit.bytes >= 0)

@@ -51,6 +51,7 @@ struct HotCall {
     std::function<plr_status(const plr_call& call, const Views& views)> invoke;
     bool is_per_item = true;           ///< false: one item by nature (a partitioner's scan): no batches to compare
     std::uint64_t scratch_beyond = 0;  ///< bytes that this call may need beyond what info() asks for any call
+    bool takes_pointers = false;       ///< bare ones, which tell no shape
     bool may_refuse = false;           ///< an item may fail on plausible arguments (no inverse there)
 
     /// The same call for some of its items, in that order.
