@@ -143,7 +143,7 @@ Argument EstimatorCalls::extent(std::int64_t count) const {
 Measured measured_near(const EstimatorCalls& calls, std::int32_t sensor, const Argument& record, Sample& sample) {
     const plr_space& space = *calls.sensor_info(sensor).measurement;
     const HotCall project = calls.project(sensor, record);
-    const Execution seen = execute_well(calls.instance, project);
+    const Execution seen = execute_leniently(calls.instance, project);
     // Some 10 m, some milliradians.
     const Eigen::VectorXd deviations = 1e-3 * scales_of(space);
     Measured measured;
@@ -161,14 +161,14 @@ Argument estimator_records(const EstimatorCalls& calls, Sample& sample, std::int
     const Argument mean = states("mean", *calls.info.cartesian, sample, count);
     const Argument covariance = covariances("covariance", *calls.info.cartesian, sample, count);
     HotCall call = calls.init(first_components(calls.c), mean, covariance);
-    Argument record = EstimatorCalls::argument(call, execute_well(calls.instance, call), 0, "record");
+    Argument record = EstimatorCalls::argument(call, execute_leniently(calls.instance, call), 0, "record");
     const Argument dt = input("dt", 1, 1, count, [&](double* out, std::int64_t) { *out = sample.uniform(0.05, 2.0); });
     call = calls.predict(dt, record);
-    record = EstimatorCalls::argument(call, execute_well(calls.instance, call), 0, "record");
+    record = EstimatorCalls::argument(call, execute_leniently(calls.instance, call), 0, "record");
     if (calls.info.sensor_count == 0) return record;
     const Measured measured = measured_near(calls, 0, record, sample);
     call = calls.update(0, record, measured.measurement, measured.noise);
-    return EstimatorCalls::argument(call, execute_well(calls.instance, call), 0, "record");
+    return EstimatorCalls::argument(call, execute_leniently(calls.instance, call), 0, "record");
 }
 
 namespace {
@@ -207,7 +207,7 @@ std::vector<HotCall> all_calls(const Instance& instance, Sample sample, std::int
     all.push_back(calls.moments(record));
     if (calls.table.assign != nullptr) {
         // Its own moments of another track: plausible for any state space.
-        const Execution told = execute_well(instance, all.back());
+        const Execution told = execute_leniently(instance, all.back());
         Argument mean = EstimatorCalls::argument(all.back(), told, 0, "mean");
         Argument covariance = EstimatorCalls::argument(all.back(), told, 1, "covariance");
         std::rotate(mean.values.begin(), mean.values.begin() + calls.n, mean.values.end());

@@ -219,7 +219,7 @@ StartedExtents start_extents(const ExtentCalls& calls, const std::vector<Body>& 
     StartedExtents started;
     started.call = calls.init(scan, times, kinematics_of(calls, "mean", bodies), covariance);
     Argument record = started.call.out[0];
-    record.values = execute_well(calls.instance, started.call).out[0];
+    record.values = execute_leniently(calls.instance, started.call).out[0];
     started.record = record;
     return started;
 }

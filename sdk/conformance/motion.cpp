@@ -70,7 +70,7 @@ PELORUS_CHECK(motion, "motion-table-agrees-with-info", 2,
 PELORUS_CHECK(motion, "motion-zero-step-is-identity", 3,
               "A step of dt = 0 moves nothing: propagate answers the state, jacobian the identity and, with "
               "EXACT_NOISE, noise 0; two scans of one time are filtered by such steps.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     const MotionItems items = trial.draw(batch);
     const Eigen::VectorXd dt = Eigen::VectorXd::Zero(batch);
@@ -202,7 +202,7 @@ PELORUS_CHECK(motion, "motion-backward-undoes-forward", 3,
 PELORUS_CHECK(motion, "motion-refuses-backward-steps", 2,
               "Without BACKWARD, dt < 0 is refused by PLR_E_UNSUPPORTED for its item alone, by every call that takes a "
               "dt; a belated scan must not be filtered by a step that means nothing.",
-              {}) {
+              {"item-statuses-agree", "same-bytes-again"}) {
     MotionTrial trial(bench);
     if (trial.has(PLR_MOTION_BACKWARD)) skip("says BACKWARD");
     const MotionItems items = trial.draw(3);

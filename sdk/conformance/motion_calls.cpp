@@ -161,7 +161,7 @@ Argument initial_records(const Instance& instance, const Argument& state, const 
     if (size == 0) return absent("record");
     const HotCall call = init_record(instance, state, covariance);
     Argument records = input("record", size, 1, call.count, [](double*, std::int64_t) {});
-    if (call.count > 0) records.values = execute_well(instance, call).out[0];
+    if (call.count > 0) records.values = execute_leniently(instance, call).out[0];
     return records;
 }
 
@@ -189,7 +189,7 @@ std::vector<HotCall> calls_of(const Instance& instance, Sample sample, std::int6
     const Argument extent = extents(instance, sample, count);
     Argument predicted = state;
     if (count > 0)
-        predicted.values = execute_well(instance, propagate(instance, dt, state, record, absent("mean"))).out[0];
+        predicted.values = execute_leniently(instance, propagate(instance, dt, state, record, absent("mean"))).out[0];
     const Eigen::VectorXd spread = 0.01 * scales_of(space);
     const Argument spread_about = input("state", n, points, count, [&](double* out, std::int64_t i) {
         for (std::int64_t p = 0; p < points; ++p) {

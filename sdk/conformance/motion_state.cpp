@@ -54,7 +54,7 @@ Argument points_about(MotionTrial& trial, const MotionItems& items, std::int64_t
 PELORUS_CHECK(motion, "motion-points-equal-singles", 3,
               "Of several points of one item, each is moved as it would be alone with the same mean; where no mean is "
               "given the state is it. Sigma-point filters hand all points over in one call.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     const MotionItems items = trial.draw(batch);
     const Eigen::VectorXd dt = trial.drawn_steps(batch);

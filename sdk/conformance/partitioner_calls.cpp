@@ -113,7 +113,7 @@ Capacities PartitionerCalls::needed(const ScanToSplit& scan) const {
 }
 
 Partition PartitionerCalls::partition(const ScanToSplit& scan, const plr_parallel* parallel) const {
-    const Execution done = execute_well(instance, split(scan, needed(scan), parallel));
+    const Execution done = execute_leniently(instance, split(scan, needed(scan), parallel));
     const Capacities sizes = told(done);
     Partition partition;
     partition.alternative_offsets = whole(done.out[alternative_offsets], sizes.alternatives + 1);

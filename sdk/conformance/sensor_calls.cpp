@@ -97,7 +97,7 @@ Argument places(const Instance& instance, Sample& sample, std::int64_t count) {
     if (count == 0) return found;
     constexpr int most_tries = 40;
     for (int attempt = 0; attempt < most_tries; ++attempt) {
-        const Execution done = execute_well(instance, measure(instance, found));
+        const Execution done = execute_leniently(instance, measure(instance, found));
         std::int64_t refused = 0;
         for (std::int64_t i = 0; i < count; ++i) {
             if (!done.failed(i)) continue;
@@ -170,8 +170,8 @@ std::vector<HotCall> calls_of(const Instance& instance, Sample sample, std::int6
                                         points_about(reference, *facts.measurement, sample, points))};
     if (table(instance).invert == nullptr || facts.inverse == nullptr) return calls;
     const HotCall at_places = measure(instance, cartesian);
-    const Argument measured = as_input("measurement", at_places, execute_well(instance, at_places), 0);
-    const Argument errors = as_input("noise", nominal, execute_well(instance, nominal), 0);
+    const Argument measured = as_input("measurement", at_places, execute_leniently(instance, at_places), 0);
+    const Argument errors = as_input("noise", nominal, execute_leniently(instance, nominal), 0);
     calls.push_back(invert(instance, measured, errors));
     calls.push_back(invert(instance, measured, errors, false));
     return calls;

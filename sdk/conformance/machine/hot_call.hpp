@@ -96,6 +96,9 @@ Execution execute(const Instance& instance, const HotCall& call, const ExecuteOp
 /// Fails the check unless the call went well for every item (or, where it may refuse, for those it did not refuse).
 Execution execute_well(const Instance& instance, const HotCall& call, const ExecuteOptions& options = {});
 
+/// Makes the call for the sake of its outputs, as arguments of others: whether it keeps its promises is for the checks to say.
+Execution execute_leniently(const Instance& instance, const HotCall& call);
+
 /// Whether two executions answered the same bits for item i of the first and item k of the second; else says where not.
 bool same_item(const HotCall& one_call, const Execution& one, std::int64_t i, const HotCall& other_call,
                const Execution& other, std::int64_t k, std::string& difference);
