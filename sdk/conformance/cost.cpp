@@ -10,7 +10,7 @@ namespace pelorus::conformance {
 
 namespace {
 
-constexpr std::int64_t sizes[] = {64, 256, 1024, 4096};
+constexpr std::int64_t sizes[] = {512, 1024, 2048, 4096};
 /// Twice the items may take 2^1.2 times as long without a word (caches), 2^1.5 times with a warning. n log n is below both.
 constexpr double exponent_warned = 1.2, exponent_refused = 1.5;
 constexpr int repeats = 9, rounds = 3;

@@ -135,8 +135,11 @@ PELORUS_CHECK(model, "independent-of-earlier-calls", 3,
     // One item a call: a memory that holds the last item alone would forget within a batch.
     const auto calls = hot_calls(*instance, bench.sample(), 1);
     const auto others = hot_calls(*instance, bench.sample(1), 1);
-    const auto fail = [&](const HotCall& call, const std::string& difference) {
-        const std::string place = place_of_static_write([&] { execute(*instance, call); });
+    const auto fail = [&](const HotCall& call, const HotCall& another, const std::string& difference) {
+        const std::string place = place_of_static_write([&] {
+            execute(*instance, another);
+            execute(*instance, call);
+        });
         FAIL(call.function << " remembers an earlier call with other arguments: before and after it, " << difference
                            << (place.empty() ? "" : "; it writes to static memory at " + place));
     };
@@ -153,13 +156,14 @@ PELORUS_CHECK(model, "independent-of-earlier-calls", 3,
         std::string difference;
         for (const HotCall& other : between) {
             answers.push_back(execute(*instance, other));
-            if (!same_answer(calls[c], first, execute(*instance, calls[c]), difference)) fail(calls[c], difference);
+            if (!same_answer(calls[c], first, execute(*instance, calls[c]), difference))
+                fail(calls[c], others[c], difference);
         }
         std::size_t position = 0;
         for (std::size_t b = between.size(); b-- > 0;) {
             Execution elsewhere = answers[b];
             if (take(reversed, position, elsewhere) && !same_answer(between[b], answers[b], elsewhere, difference))
-                fail(between[b], difference);
+                fail(between[b], others[c], difference);
         }
     }
 }
