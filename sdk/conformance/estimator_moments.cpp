@@ -53,7 +53,7 @@ PELORUS_CHECK(estimator, "estimator-unknown-starts-from-prior", 3,
         std::vector<std::int32_t> known;
         for (std::int32_t k = 0; k < filter.c; ++k) {
             const bool is_position = k < filter.axes;
-            if (attempt == 0 ? is_position : attempt == 1 || sample.below(2) == 0) known.push_back(k);
+            if (attempt == 0 ? is_position : attempt == 1 || k == 0 || sample.below(2) == 0) known.push_back(k);
         }
         Gaussian expected{Eigen::VectorXd(filter.c), Eigen::MatrixXd::Zero(filter.c, filter.c)};
         const auto* at = reinterpret_cast<const unsigned char*>(space.components);

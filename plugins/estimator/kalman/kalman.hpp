@@ -67,6 +67,7 @@ private:
     };
     Steps steps(const plr_call& call, const plr_estimator_predict& args, std::int64_t first, std::int64_t items,
                 bool common, double* memory) const;
+    plr_status copy_records(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_fully(const plr_call& call, const plr_estimator_predict& args) const;
     plr_const_view look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records,

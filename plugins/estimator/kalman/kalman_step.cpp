@@ -28,7 +28,32 @@ plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& ar
     expect_packed(args.dt, 1, 1, args.out.count, "dt");
     expect_packed(args.record, info.record_size, 1, args.out.count, "record");
     expect_packed(args.out, info.record_size, 1, args.out.count, "out");
-    return structure_ != nullptr ? predict_by_blocks(call, args) : predict_fully(call, args);
+    // Runs of items that stand still and of items that move: a motion is not called for dt = 0.
+    const auto stands = [&](std::int64_t i) { return *at(args.dt, i) == 0.0; };
+    plr_status result = PLR_OK;
+    for (std::int64_t first = 0, end = 0; first < args.out.count; first = end) {
+        while (end < args.out.count && stands(end) == stands(first)) ++end;
+        plr_estimator_predict run = args;
+        run.dt = slice(args.dt, first, end - first);
+        run.extent = slice(args.extent, first, end - first);
+        run.record = slice(args.record, first, end - first);
+        run.out = slice(args.out, first, end - first);
+        const plr_call here = slice(call, first);
+        const plr_status status = stands(first)           ? copy_records(here, run)
+                                  : structure_ != nullptr ? predict_by_blocks(here, run)
+                                                          : predict_fully(here, run);
+        if (status < 0) return status;
+        if (status != PLR_OK) result = status;
+    }
+    return result;
+}
+
+plr_status Kalman::copy_records(const plr_call& call, const plr_estimator_predict& args) const {
+    return pelorus::for_items(call, args.out.count, [&](std::int64_t i) {
+        const double* const from = at(args.record, i);
+        if (!all_finite(from, n_ + n_ * n_)) require(Outcome::not_finite);
+        if (from != at(args.out, i)) std::copy_n(from, info.record_size, at(args.out, i));
+    });
 }
 
 /// F1 and Q1 are asked for once where neighbours share the time step.
