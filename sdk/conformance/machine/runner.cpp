@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -42,7 +43,11 @@ public:
         ProcessPool pool(jobs);
         while (!std::all_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.is_done; })) {
             start_what_can(pool);
-            if (!pool.is_empty()) take(pool.wait());
+            const bool all_done = std::all_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.is_done; });
+            if (!pool.is_empty())
+                take(pool.wait());
+            else if (!all_done)
+                throw std::logic_error("checks rest on each other in a circle");
         }
         std::vector<Result> results;
         for (Job& job : jobs_)
@@ -124,15 +129,6 @@ private:
         is_started_.push_back(false);
     }
     /// Once all are there: a check may stand before what it rests on.
-    void find_needs() {
-        for (Job& job : jobs_)
-            for (const std::string& name : prerequisites_of(*job.check))
-                for (std::size_t i = 0; i < jobs_.size(); ++i)
-                    if (name == jobs_[i].check->name && (jobs_[i].plugin.empty() || jobs_[i].plugin == job.plugin))
-                        job.needs.push_back(i);
-    }
-
-    /// Once all jobs are there: what a check rests on may stand behind it.
     void find_needs() {
         for (Job& job : jobs_)
             for (const std::string& name : prerequisites_of(*job.check))
