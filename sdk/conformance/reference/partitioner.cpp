@@ -1,5 +1,6 @@
 // Each point is a cell of its own.
 #include <pelorus/batch_model.hpp>
+#include <pelorus/messages.hpp>
 
 #include "reference_parts.hpp"
 
@@ -17,6 +18,10 @@ struct Partitioner : pelorus::Partitioner<Partitioner> {
 
     plr_status split(const plr_call&, const plr_partitioner_split& args) const {
         const std::int64_t count = args.points.count;
+        if (args.points.rows < info.dimension_min || args.points.rows > info.dimension_max)
+            throw ArgumentError("points: are of " + std::to_string(args.points.rows) + " dimensions, expected 1 to 3");
+        for (std::int64_t k = 0; k < count; ++k)
+            if (!item(args.points, k).allFinite()) throw NumericError("a point is not finite");
         plr_partition& out = *args.out;
         out.alternatives = count == 0 ? 0 : 1;
         out.cells = out.members = count;
