@@ -57,6 +57,7 @@ HotCall PartitionerCalls::split(const ScanToSplit& scan, const Capacities& room,
                scan.ids.empty() ? absent("predictions.mean") : columns("predictions.mean", scan.mean),
                matrices("predictions.covariance", d, scan.mean_covariance),
                matrices("predictions.extent", d, scan.extent)};
+    call.takes_pointers = true;
     call.out = {output("sizes", 3, 1),
                 output("alternative_offsets", room.alternatives + 1, 1, Content::opaque),
                 output("alternative_weights", room.alternatives, 1, Content::opaque),

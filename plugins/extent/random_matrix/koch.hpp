@@ -56,6 +56,7 @@ public:
 
     plr_status joint_init(const plr_call& call, const plr_joint_init& args) const {
         const std::int64_t count = args.record.count, c = D * block_;
+        if (count == 0) return PLR_OK;
         expect_start<D>(args.scan, args.scans, this->info.start_scans, count);
         pelorus::expect(args.mean, c, 1, count, "mean");
         pelorus::expect(args.record, this->info.record_size, 1, count, "record");
@@ -125,10 +126,14 @@ public:
         if (args.covariance.data != nullptr) pelorus::expect(args.covariance, c, c, count, "covariance");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const Item item = read(args.record, i);
+            const Matrix<D> extent = item.shape.extent();
+            // The largest product, too: what is finite in the record may not be so in the covariance.
+            if (!pelorus::small::all_finite(item.state) || !pelorus::small::all_finite(item.spread) ||
+                !std::isfinite(item.spread.cwiseAbs().maxCoeff() * extent.cwiseAbs().maxCoeff()) || !extent.allFinite())
+                throw pelorus::NumericError("the record is not finite");
             double* mean = args.mean.data + i * args.mean.item_stride;
             for (std::int64_t k = 0; k < c; ++k) mean[k] = item.state.data()[k];
             if (args.covariance.data == nullptr) return;
-            const Matrix<D> extent = item.shape.extent();
             double* covariance = args.covariance.data + i * args.covariance.item_stride;
             for (std::int64_t col = 0; col < c; ++col)
                 for (std::int64_t row = 0; row < c; ++row)

@@ -141,6 +141,7 @@ void GuardedMemory::make_read_only() {
 
 void GuardedMemory::take_back() {
     mprotect(mapping_, mapped_, PROT_NONE);
+    is_read_only_ = true;  // for giving it back
     if (zone_ >= 0) zones[static_cast<std::size_t>(zone_)].is_taken_back = true;
 }
 

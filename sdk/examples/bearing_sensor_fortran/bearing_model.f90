@@ -107,7 +107,8 @@ contains
             call look(self, args%cartesian, item, none, seen)
             ground = hypot(seen(1), seen(2))
             distance = hypot(ground, seen(3))
-            if (.not. (ground > 1e-9_c_double * distance .and. finite(distance))) then
+            ! 1 / ground: a denormal distance has none that is finite.
+            if (.not. (ground > 1e-9_c_double * distance .and. finite(distance) .and. finite(1 / ground))) then
                 if (fail_item(context, item, "the object is on the sensor's vertical axis, where azimuth has no " // &
                                              "derivative, or is not finite", status)) return
                 cycle
