@@ -99,7 +99,7 @@ PELORUS_CHECK(extent, "extent-no-points-copies", 2,
 PELORUS_CHECK(extent, "extent-shape-consistent", 3,
               "half_axes and axes are those of matrix: descending, unit vectors at right angles, and multiplied out "
               "they are it again.",
-              {"covariances-symmetric-positive"}) {
+              {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     Sample sample = bench.sample();
@@ -124,7 +124,7 @@ PELORUS_CHECK(extent, "extent-shape-consistent", 3,
 PELORUS_CHECK(extent, "extent-stays-positive", 3,
               "The shape stays symmetric positive definite through starts, predictions and updates with few, many and "
               "far points; a tracker divides by it.",
-              {"covariances-symmetric-positive"}) {
+              {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     Sample sample = bench.sample();
@@ -155,7 +155,7 @@ PELORUS_CHECK(extent, "extent-stays-positive", 3,
 PELORUS_CHECK(extent, "extent-follows-rotation-and-shift", 3,
               "Points that are turned and shifted give the shape turned, the same likelihood and the same distances; "
               "no direction and no place is special.",
-              {"covariances-symmetric-positive", "extent-shape-consistent"}) {
+              {"covariances-positive", "extent-shape-consistent"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     Sample sample = bench.sample();
@@ -184,7 +184,7 @@ PELORUS_CHECK(extent, "extent-follows-rotation-and-shift", 3,
 
 PELORUS_CHECK(extent, "extent-equal-weights-are-none", 3,
               "Points of weight 1/n each are points without weights; probabilistic association gives such weights.",
-              {"covariances-symmetric-positive"}) {
+              {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     Sample sample = bench.sample();
@@ -204,7 +204,7 @@ PELORUS_CHECK(extent, "extent-equal-weights-are-none", 3,
 PELORUS_CHECK(extent, "extent-effective-noise-shrinks", 3,
               "effective_noise falls as one over the number of points that are averaged, and a single point has at "
               "least the sensor's noise; the tracker's gain hangs on it.",
-              {"covariances-symmetric-positive"}) {
+              {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     if (extent.is_joint()) skip("a joint extent keeps it to itself");
@@ -236,7 +236,7 @@ PELORUS_CHECK(
     extent, "extent-gate-is-a-distance", 3,
     "The gate's squared distance is zero at the predicted position, grows with the square of the way from it, "
     "and is below chi-square's bounds for points of the object.",
-    {"covariances-symmetric-positive"}) {
+    {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
     Sample sample = bench.sample();

@@ -145,7 +145,7 @@ PELORUS_CHECK(sensor, "sensor-constant-noise-is-constant", 3,
 PELORUS_CHECK(sensor, "sensor-noise-is-definite", 3,
               "No combination of measurement components is without noise: the covariance has an inverse, which updates "
               "and likelihoods take.",
-              {"covariances-symmetric-positive"}) {
+              {"covariances-positive"}) {
     const auto instance = bench.make();
     Sample sample = bench.sample();
     const Argument at = places(*instance, sample, batch);

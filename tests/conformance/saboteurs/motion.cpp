@@ -27,8 +27,14 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
             .min(0)
             .doc("spectral density of the acceleration");
     }
+    pelorus::Space space() const {
+        const pelorus::Space good = Base::space();
+        if (!DEFECT("motion-spaces-well-formed")) return good;
+        std::vector<pelorus::Component> components = good.components();
+        components[5].unit = "km/s";
+        return pelorus::Space(components);
+    }
     std::vector<double> priors() const {
-        if (DEFECT("motion-spaces-well-formed")) return {1e5, 0.0};
         if (NEAR_MISS("motion-spaces-well-formed")) return {1e5, 1e-9};
         return {1e5, 100.0};
     }
@@ -89,14 +95,14 @@ private:
         const plr_status status = Base::table().noise(self, call, args);
         const bool is_bad = DEFECT("motion-constant-noise-is-constant");
         if (!(is_bad || NEAR_MISS("motion-constant-noise-is-constant")) || args->state.data == nullptr) return status;
-        for (std::int64_t i = 0; i < args->out.count; ++i) {
+        if (status != PLR_OK) return status;
+        return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
             const State x = pelorus::load<6, 1>(args->state, i);
             const double growth = 1 + (is_bad ? 1e-4 : 1e-16) * std::abs(x(3));
             Transition q = pelorus::load<6, 6>(pelorus::as_const(args->out), i);
             q *= growth;
             pelorus::store<6, 6>(args->out, i, q);
-        }
-        return status;
+        });
     }
     static plr_status blocks_entry(const void* self, const plr_call* call, double dt, double* f1, double* q1) noexcept {
         return pelorus::guarded(call->error, [&] {
@@ -109,6 +115,13 @@ private:
         });
     }
     static plr_status factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
+        return pelorus::guarded(call->error, [&] {
+            pelorus::expect(args->dt, 1, 1, args->out.count, "dt");
+            pelorus::expect(args->out, 6, 6, args->out.count, "out");
+            return factor_items(self, call, args);
+        });
+    }
+    static plr_status factor_items(const void* self, const plr_call* call, const plr_motion_noise* args) {
         return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
             const Block q = of(self).noise_block(args->dt.data[i * args->dt.item_stride]);
             Block g = Block::Zero();
