@@ -17,7 +17,9 @@ if(DEFINED PROJECT_NAME) # not in ctest, which includes this file, too
         if(NOT arg_LEVEL)
             set(arg_LEVEL 3)
         endif()
-        if(TARGET pelorus-conform) # the Pelorus tree
+        if(PELORUS_PLUGIN_ROOT AND NOT TARGET pelorus-conform) # the Pelorus tree, built with AddressSanitizer
+            return()
+        elseif(TARGET pelorus-conform) # the Pelorus tree
             set(runner "$<TARGET_FILE:pelorus-conform>")
         else()
             set(runner "${PELORUS_CONFORM}")
