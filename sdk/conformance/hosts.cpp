@@ -109,7 +109,7 @@ PELORUS_CHECK(
     model, "longer-call-is-accepted", 2,
     "A call whose plr_call and plr_error are longer at the tail is answered like any other; the caller may be of a "
     "later minor version.",
-    {"numbers-finite"}) {
+    {"numbers-finite", "same-bytes-again"}) {
     const auto instance = bench.make();
     for (const HotCall& call : hot_calls(*instance, bench.sample(), 3)) {
         ExecuteOptions longer;

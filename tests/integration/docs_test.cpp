@@ -6,6 +6,7 @@
 
 #include "../fixtures/temporary_folder.hpp"
 #include "../support/markdown.hpp"
+#include "../support/process.hpp"
 #include "docs_fragment.hpp"
 #include "docs_page.hpp"
 

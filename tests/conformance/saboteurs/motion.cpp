@@ -31,7 +31,7 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
         const pelorus::Space good = Base::space();
         if (!DEFECT("motion-spaces-well-formed")) return good;
         std::vector<pelorus::Component> components = good.components();
-        components[5].unit = "km/s";
+        components[5].unit = "m";
         return pelorus::Space(components);
     }
     std::vector<double> priors() const {

@@ -36,7 +36,7 @@ struct Saboteur : pelorus::Sensor<Saboteur, 2, 2> {
     }
     pelorus::Space measurement_space() const {
         const char* const name = NEAR_MISS("sensor-spaces-well-formed") ? "ground_range" : "range";
-        const char* const unit = DEFECT("sensor-spaces-well-formed") ? "km" : "m";
+        const char* const unit = DEFECT("sensor-spaces-well-formed") ? "s" : "m";
         return pelorus::Space({{name, unit, 0, 0, false}, {"azimuth", "rad", 0, 0, true}});
     }
     pelorus::Space cartesian_space() const { return pelorus::position_space(2); }
@@ -45,10 +45,10 @@ struct Saboteur : pelorus::Sensor<Saboteur, 2, 2> {
         Base::complete(config, description);
         told_ = *Base::table().info(this);
         if (DEFECT("sensor-linear-means-linear")) told_.flags |= PLR_SENSOR_LINEAR;
-        if (DEFECT("sensor-table-agrees-with-info")) told_.flags |= PLR_SENSOR_WAVEFORM;
-        if (!NEAR_MISS("sensor-table-agrees-with-info")) return;
+        const bool is_bad = DEFECT("sensor-table-agrees-with-info");
+        if (!is_bad && !NEAR_MISS("sensor-table-agrees-with-info")) return;
         waveform_ = pelorus::Space({{"pulse_length", "s", 1e-6, 0, false}});
-        told_.flags |= PLR_SENSOR_WAVEFORM;
+        if (!is_bad) told_.flags |= PLR_SENSOR_WAVEFORM;
         told_.waveform = waveform_.c();
     }
 
