@@ -183,7 +183,8 @@ TEST_CASE("every check of the conformance suites is in the generated list, with 
     REQUIRE(checks.size() >= 70);
     for (const Json& check : checks) {
         CHECK_THAT(text, Catch::Contains("| `" + check["name"].get<std::string>() + "` |"));
-        CHECK_THAT(text, Catch::Contains(check["law"].get<std::string>()));
+        const std::string law = std::regex_replace(check["law"].get<std::string>(), std::regex("\\|"), "\\|");
+        CHECK_THAT(text, Catch::Contains(law));
     }
 }
 
