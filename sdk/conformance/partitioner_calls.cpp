@@ -1,5 +1,7 @@
 #include "partitioner_calls.hpp"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "machine/library.hpp"
@@ -51,6 +53,7 @@ HotCall PartitionerCalls::split(const ScanToSplit& scan, const Capacities& room,
     const std::int64_t d = scan.points.rows();
     HotCall call = make_call("split", 1);
     call.is_per_item = false;
+    call.takes_pointers = true;
     call.scratch_beyond = info.scratch_bytes_point *
                           static_cast<std::uint64_t>(scan.points.cols() + static_cast<std::int64_t>(scan.ids.size()));
     call.in = {columns("points", scan.points), matrices("covariance", d, scan.covariance),
@@ -154,10 +157,12 @@ namespace {
 
 std::vector<HotCall> all_calls(const Instance& instance, Sample sample, std::int64_t count) {
     const PartitionerCalls calls(instance);
+    // One scan is one item: more items are a larger scan, up to a size whose pairs are soon counted.
+    const std::int64_t points = std::min<std::int64_t>(5 * count, 60);
     std::vector<HotCall> all;
     for (int d = calls.info.dimension_min; d <= calls.info.dimension_max; ++d)
         for (const std::int64_t predictions : {0, 3}) {
-            const ScanToSplit scan = sample_scan_to_split(d, 5 * count, predictions, sample);
+            const ScanToSplit scan = sample_scan_to_split(d, points, predictions, sample);
             all.push_back(calls.split(scan, calls.needed(scan)));
             all.back().function = "split (" + std::to_string(d) + " dimensions" +
                                   (predictions == 0 ? ")" : ", " + std::to_string(predictions) + " predictions)");
