@@ -103,6 +103,8 @@ template <class Derived> struct KalmanFilter : pelorus::Estimator<Derived> {
         expect_record(args.record, count, "record");
         pelorus::expect(args.measurement, m, 1, count, "measurement");
         pelorus::expect(args.covariance, m, m, count, "covariance");
+        expect_optional(args.cross, n, m, count, "cross");
+        expect_optional(args.cartesian_cross, n, m, count, "cartesian_cross");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const Moments x = read(args.record, i);
             const Look look = look_at(x.mean, args.sensor, pelorus::slice(call, i));
@@ -121,6 +123,9 @@ template <class Derived> struct KalmanFilter : pelorus::Estimator<Derived> {
         expect_records(args.record, args.out);
         pelorus::expect(args.measurement, m, 1, count, "measurement");
         pelorus::expect(args.noise, m, m, count, "noise");
+        expect_optional(args.log_likelihood, 1, 1, count, "log_likelihood");
+        expect_optional(args.innovation, m, 1, count, "innovation");
+        expect_optional(args.innovation_covariance, m, m, count, "innovation_covariance");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const plr_call one = pelorus::slice(call, i);
             Moments x = read(args.record, i);
@@ -158,6 +163,7 @@ template <class Derived> struct KalmanFilter : pelorus::Estimator<Derived> {
         const std::int64_t count = args.mean.count;
         expect_record(args.record, count, "record");
         pelorus::expect(args.mean, n, 1, count, "mean");
+        expect_optional(args.covariance, n, n, count, "covariance");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const Moments x = read(args.record, i);
             put(args.mean, i, x.mean);
@@ -179,6 +185,7 @@ template <class Derived> struct KalmanFilter : pelorus::Estimator<Derived> {
         const std::int64_t count = args.out.count, hypotheses = args.weights.rows;
         pelorus::expect(args.weights, hypotheses, 1, count, "weights");
         pelorus::expect(args.records, info.record_size, hypotheses, count, "records");
+        expect_record(args.out, "out");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const auto weights = pelorus::item(args.weights, i);
             Moments mixed{StateVector::Zero(n, 1), StateMatrix::Zero(n, n)};
@@ -217,6 +224,21 @@ template <class Derived> struct KalmanFilter : pelorus::Estimator<Derived> {
     template <class Square> static void symmetrise(Square& p) {
         for (Eigen::Index c = 0; c < p.cols(); ++c)
             for (Eigen::Index r = 0; r < c; ++r) p(r, c) = p(c, r) = (p(r, c) + p(c, r)) / 2;
+    }
+
+    void expect_record(const plr_view& record, const char* what) const {
+        pelorus::expect(record, info.record_size, 1, record.count, what);
+    }
+    void expect_record(const plr_const_view& record, std::int64_t count, const char* what) const {
+        pelorus::expect(record, info.record_size, 1, count, what);
+    }
+    void expect_records(const plr_const_view& record, const plr_view& out) const {
+        expect_record(record, out.count, "record");
+        expect_record(out, "out");
+    }
+    static void expect_optional(const plr_view& view, std::int64_t rows, std::int64_t cols, std::int64_t count,
+                                const char* what) {
+        if (view.data != nullptr) pelorus::expect(view, rows, cols, count, what);
     }
 
     pelorus::MotionPart motion;
@@ -315,16 +337,6 @@ private:
     static plr_const_view column(plr_const_view records, std::int64_t k) noexcept {
         records.data += k * records.col_stride;
         return records;
-    }
-    void expect_record(const plr_view& record, const char* what) const {
-        pelorus::expect(record, info.record_size, 1, record.count, what);
-    }
-    void expect_record(const plr_const_view& record, std::int64_t count, const char* what) const {
-        pelorus::expect(record, info.record_size, 1, count, what);
-    }
-    void expect_records(const plr_const_view& record, const plr_view& out) const {
-        expect_record(record, out.count, "record");
-        expect_record(out, "out");
     }
 };
 

@@ -97,6 +97,7 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
         const std::int64_t count = args.out.count;
         expect_points(args.scan, count);
         expect_records(args.record, args.out);
+        expect_optional(args.log_likelihood, 1, 1, count, "log_likelihood");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             Known known = read(args.record, i);
             const Cloud cloud = cloud_of(args.scan, i);
@@ -123,6 +124,8 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
         const std::int64_t count = args.matrix.count;
         pelorus::expect(args.record, info.record_size, 1, count, "record");
         pelorus::expect(args.matrix, dimension, dimension, count, "matrix");
+        expect_optional(args.half_axes, dimension, 1, count, "half_axes");
+        expect_optional(args.axes, dimension, dimension, count, "axes");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const Shape shape = read(args.record, i).shape;
             Point squares, half_axes;
@@ -145,6 +148,7 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
         pelorus::expect(args.record, info.record_size, 1, count, "record");
         pelorus::expect(args.predicted, dimension, 1, count, "predicted");
         pelorus::expect(args.covariance, dimension, dimension, count, "covariance");
+        pelorus::expect(args.squared_distance, 1, 1, args.scan.offsets[count], "squared_distance");
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             const Shape common = read(args.record, i).shape + pelorus::load<dimension, dimension>(args.covariance, i);
             const Point centre = pelorus::load<dimension, 1>(args.predicted, i);
@@ -181,7 +185,10 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
     }
     Known read(const plr_const_view& records, std::int64_t i) const {
         const double* record = records.data + i * records.item_stride;
-        return {record[0], Eigen::Map<const Shape>(record + 1)};
+        const Known known{record[0], Eigen::Map<const Shape>(record + 1)};
+        if (!std::isfinite(known.weight) || !known.shape.allFinite())
+            throw pelorus::NumericError("the record is not finite");
+        return known;
     }
     void write(const plr_view& records, std::int64_t i, const Known& known) const {
         Shape root;
@@ -190,6 +197,23 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
         double* record = records.data + i * records.item_stride;
         record[0] = known.weight;
         Eigen::Map<Shape>(record + 1) = known.shape;
+    }
+
+    static void expect_points(const plr_extent_points& scan, std::int64_t count) {
+        if (scan.offsets == nullptr)
+            throw pelorus::ArgumentError("offsets: is NULL, expected one more than there are items");
+        const std::int64_t total = scan.offsets[count];
+        pelorus::expect(scan.points, dimension, 1, total, "points");
+        pelorus::expect(scan.noise, dimension, dimension, total, "noise");
+        if (scan.weights.data != nullptr) pelorus::expect(scan.weights, 1, 1, total, "weights");
+    }
+    static void expect_optional(const plr_view& view, std::int64_t rows, std::int64_t cols, std::int64_t count,
+                                const char* what) {
+        if (view.data != nullptr) pelorus::expect(view, rows, cols, count, what);
+    }
+    void expect_records(const plr_const_view& record, const plr_view& out) const {
+        pelorus::expect(record, info.record_size, 1, out.count, "record");
+        pelorus::expect(out, info.record_size, 1, out.count, "out");
     }
 
 private:
@@ -212,18 +236,6 @@ private:
         small::multiply_transposed(scaled, vectors, out);
         small::symmetrise(out);
         return out;
-    }
-    static void expect_points(const plr_extent_points& scan, std::int64_t count) {
-        if (scan.offsets == nullptr)
-            throw pelorus::ArgumentError("offsets: is NULL, expected one more than there are items");
-        const std::int64_t total = scan.offsets[count];
-        pelorus::expect(scan.points, dimension, 1, total, "points");
-        pelorus::expect(scan.noise, dimension, dimension, total, "noise");
-        if (scan.weights.data != nullptr) pelorus::expect(scan.weights, 1, 1, total, "weights");
-    }
-    void expect_records(const plr_const_view& record, const plr_view& out) const {
-        pelorus::expect(record, info.record_size, 1, out.count, "record");
-        pelorus::expect(out, info.record_size, 1, out.count, "out");
     }
 };
 

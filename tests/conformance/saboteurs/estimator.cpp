@@ -128,8 +128,13 @@ struct Saboteur : pelorus::conformance::KalmanFilter<Saboteur> {
         const std::int32_t sensor = DEFECT("estimator-refuses-unknown-sensor") ? nearest(args.sensor) : args.sensor;
         if (NEAR_MISS("estimator-refuses-unknown-sensor") && sensor != nearest(args.sensor))
             return all_failed(call, args.out.count);
+        const auto m = args.measurement.rows;
+        expect_records(args.record, args.out);
+        expect_optional(args.log_likelihood, 1, 1, args.out.count, "log_likelihood");
+        expect_optional(args.innovation, m, 1, args.out.count, "innovation");
+        expect_optional(args.innovation_covariance, m, m, args.out.count, "innovation_covariance");
         return one_by_one(call, args.out.count, [&](const plr_call& one, std::int64_t i) {
-            const auto m = args.measurement.rows;
+            if (m > max_measurement) return plr_status{PLR_E_ARGUMENT};
             double log_likelihood = 0;
             MeasurementVector innovation(m, 1);
             MeasurementMatrix s(m, m);

@@ -69,9 +69,18 @@ struct Saboteur : pelorus::conformance::ScatterMatrix<Saboteur> {
                 if (DEFECT("extent-in-place-same-bits") || args.out.data != args.record.data)
                     Eigen::Map<Shape>(args.out.data + i * args.out.item_stride + 1).setIdentity();
         // What comes after needs what was before, which may lie in the output itself.
+        expect_records(args.record, args.out);
+        expect_optional(args.log_likelihood, 1, 1, args.out.count, "log_likelihood");
         plr_status result = PLR_OK;
         for (std::int64_t i = 0; i < args.out.count; ++i) {
-            const Known before = read(args.record, i);
+            Known before{0, Shape::Zero()};
+            const plr_status known =
+                pelorus::for_items(pelorus::slice(call, i), 1, [&](std::int64_t) { before = read(args.record, i); });
+            if (known < 0) return known;
+            if (known != PLR_OK) {
+                result = known;
+                continue;
+            }
             const std::int64_t first = args.scan.offsets[i], points = args.scan.offsets[i + 1] - first;
             const std::int64_t offsets[] = {0, points};
             step.scan = {offsets, pelorus::slice(args.scan.points, first, points),

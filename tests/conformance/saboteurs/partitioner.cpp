@@ -47,7 +47,8 @@ struct Saboteur : pelorus::Partitioner<Saboteur> {
         const std::int64_t count = args.points.count, d = args.points.rows;
         if (d < info.dimension_min || d > info.dimension_max)
             throw pelorus::ArgumentError("points: are of " + std::to_string(d) + " dimensions, expected 1 to 3");
-        if (!DEFECT("partitioner-refuses-what-it-cannot-split") && !all_finite(args.points)) {
+        if (!DEFECT("partitioner-refuses-what-it-cannot-split") &&
+            !(all_finite(args.points) && all_finite(args.predictions.mean))) {
             if (NEAR_MISS("partitioner-refuses-what-it-cannot-split"))
                 return pelorus::for_items(call, 1,
                                           [](std::int64_t) { throw pelorus::NumericError("a point is not finite"); });
