@@ -74,7 +74,7 @@ PELORUS_CHECK(estimator, "estimator-projects-without-noise", 3,
 PELORUS_CHECK(estimator, "estimator-cross-covariance", 3,
               "`cross` is P H' of the state and `cartesian_cross` that of the Cartesian components; schedulers and "
               "smoothers form gains of them.",
-              {"estimator-projects-without-noise"}) {
+              {"estimator-projects-without-noise", "estimator-spaces-well-formed"}) {
     const auto instance = bench.make();
     const EstimatorBench filter(*instance);
     filter.wants_linear_sensor(0);

@@ -28,7 +28,12 @@ struct Saboteur : pelorus::conformance::KalmanFilter<Saboteur> {
     void setup(const pelorus::Setup& setup) {
         Base::setup(setup);
         info.record_size += further;
-        if (DEFECT("estimator-spaces-well-formed")) know_velocity_to(0);
+        if (DEFECT("estimator-spaces-well-formed")) {  // velocities first
+            std::vector<pelorus::Component> components = space.components();
+            std::rotate(components.begin(), components.begin() + n / 2, components.end());
+            told_ = pelorus::Space(components);
+            info.cartesian = told_.c();
+        }
         if (NEAR_MISS("estimator-spaces-well-formed")) know_velocity_to(1e-3);
         if (DEFECT("estimator-sensors-as-in-slot")) std::reverse(sensor_parts.begin(), sensor_parts.end());
         if (NEAR_MISS("estimator-sensors-as-in-slot")) {
@@ -69,7 +74,9 @@ struct Saboteur : pelorus::conformance::KalmanFilter<Saboteur> {
         pelorus::expect(args.dt, 1, 1, args.out.count, "dt");
         return one_by_one(call, args.out.count, [&](const plr_call& one, std::int64_t i) {
             double dt = args.dt.data[i * args.dt.item_stride];
-            if (NEAR_MISS("estimator-backward-as-declared") && dt < 0) return plr_status{PLR_E_UNSUPPORTED};
+            if (NEAR_MISS("estimator-backward-as-declared") && dt < 0)
+                return pelorus::for_items(
+                    one, 1, [](std::int64_t) { throw pelorus::UnsupportedError("what is past is past"); });
             if (DEFECT("estimator-backward-as-declared")) dt = std::fabs(dt);
             if (NEAR_MISS("estimator-zero-step-copies") && std::fabs(dt) < 1e-9) dt = 0;
             plr_estimator_predict step = args;
@@ -108,7 +115,7 @@ struct Saboteur : pelorus::conformance::KalmanFilter<Saboteur> {
             wanted.cartesian_cross = pelorus::absent_output();
         }
         const plr_status status = Base::project(call, wanted);
-        if (status != PLR_OK) return status;
+        if (status < 0) return status;
         for (std::int64_t i = 0; i < args.measurement.count; ++i) {
             const plr_view& covariance = args.covariance;
             Eigen::Map<Eigen::MatrixXd> s(covariance.data + i * covariance.item_stride, covariance.rows,
@@ -309,6 +316,7 @@ private:
     }
 
     std::vector<std::string> names_;
+    pelorus::Space told_;
 };
 
 }  // namespace

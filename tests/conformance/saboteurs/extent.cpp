@@ -53,7 +53,7 @@ struct Saboteur : pelorus::conformance::ScatterMatrix<Saboteur> {
         for (std::int64_t i = 0; i < args.out.count; ++i) {
             Eigen::Map<Shape> noise(args.out.data + i * args.out.item_stride);
             const double number = args.number.data[i * args.number.item_stride];
-            if (DEFECT("extent-effective-noise-shrinks")) noise *= std::sqrt(number);
+            if (DEFECT("extent-effective-noise-shrinks") && std::isfinite(number)) noise *= std::sqrt(number);
             if (NEAR_MISS("extent-effective-noise-shrinks"))  // no share of the extent
                 noise = pelorus::load<3, 3>(args.noise, i) / number;
         }
@@ -64,13 +64,13 @@ struct Saboteur : pelorus::conformance::ScatterMatrix<Saboteur> {
         plr_extent_update step = args;
         if (DEFECT("extent-equal-weights-are-none") && args.scan.weights.data != nullptr)
             return weighted_as_one(call, args);
+        // What comes after needs what was before, which may lie in the output itself.
+        expect_records(args.record, args.out);
+        expect_optional(args.log_likelihood, 1, 1, args.out.count, "log_likelihood");
         if (DEFECT("extent-in-place-same-bits") || NEAR_MISS("extent-in-place-same-bits"))
             for (std::int64_t i = 0; i < args.out.count; ++i)
                 if (DEFECT("extent-in-place-same-bits") || args.out.data != args.record.data)
                     Eigen::Map<Shape>(args.out.data + i * args.out.item_stride + 1).setIdentity();
-        // What comes after needs what was before, which may lie in the output itself.
-        expect_records(args.record, args.out);
-        expect_optional(args.log_likelihood, 1, 1, args.out.count, "log_likelihood");
         plr_status result = PLR_OK;
         for (std::int64_t i = 0; i < args.out.count; ++i) {
             Known before{0, Shape::Zero()};

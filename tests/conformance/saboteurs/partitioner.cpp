@@ -45,15 +45,16 @@ struct Saboteur : pelorus::Partitioner<Saboteur> {
 
     plr_status split(const plr_call& call, const plr_partitioner_split& args) const {
         const std::int64_t count = args.points.count, d = args.points.rows;
-        if (d < info.dimension_min || d > info.dimension_max)
-            throw pelorus::ArgumentError("points: are of " + std::to_string(d) + " dimensions, expected 1 to 3");
-        if (!DEFECT("partitioner-refuses-what-it-cannot-split") &&
-            !(all_finite(args.points) && all_finite(args.predictions.mean))) {
-            if (NEAR_MISS("partitioner-refuses-what-it-cannot-split"))
-                return pelorus::for_items(call, 1,
-                                          [](std::int64_t) { throw pelorus::NumericError("a point is not finite"); });
-            throw pelorus::NumericError("a point is not finite");
+        if (!DEFECT("partitioner-refuses-other-dimensions") && (d < info.dimension_min || d > info.dimension_max)) {
+            const auto refuse = [&] {
+                throw pelorus::ArgumentError("points: are of " + std::to_string(d) + " dimensions, expected 1 to 3");
+            };
+            if (NEAR_MISS("partitioner-refuses-other-dimensions"))
+                return pelorus::for_items(call, 1, [&](std::int64_t) { refuse(); });
+            refuse();
         }
+        if (!(all_finite(args.points) && all_finite(args.predictions.mean)))
+            throw pelorus::NumericError("a point is not finite");
         const pelorus::Scratch owners(call, count), chains(call, count);
         const Work work{args, reinterpret_cast<std::int64_t*>(owners.data()),
                         reinterpret_cast<std::int64_t*>(chains.data()), gap};
@@ -180,10 +181,12 @@ private:
         for (std::int64_t i = 0; i < count; ++i) out.members += work.owner[i] != lost;
         out.alternatives = out.cells == 0 ? 0 : 1;
         if (NEAR_MISS("partitioner-capacity-is-told")) out.alternative_offsets[0] = 0;
-        const std::int64_t forgiven = DEFECT("partitioner-capacity-is-told") ? 1 : 0;
-        if (out.alternatives > out.alternative_capacity || out.cells > out.cell_capacity + forgiven ||
-            out.members > out.member_capacity)
+        if (out.alternatives > out.alternative_capacity || out.cells > out.cell_capacity ||
+            out.members > out.member_capacity) {
+            // Tells what it has room for, not what it needs.
+            if (DEFECT("partitioner-capacity-is-told") && out.member_capacity > 0) out.members = out.member_capacity;
             return PLR_E_CAPACITY;
+        }
         out.alternative_offsets[0] = out.cell_offsets[0] = 0;
         if (out.cells == 0) return PLR_OK;
         out.alternative_offsets[1] = out.cells;
