@@ -78,10 +78,8 @@ struct Saboteur : ConstantVelocity<Saboteur> {
     Block noise_block(double dt) const {
         double density = intensity + floor;
         if (NEAR_MISS("instances-are-independent")) {
-            static thread_local double last = -1, root = 0;  // a memory that knows what it is for
-            if (last != density) root = std::sqrt(density);
-            last = density;
-            density = std::max(density, 0 * root);
+            static const double one = std::cos(0.0);  // shared, and the same for whoever is first
+            density *= one;
         }
         return noise_of(dt, density);
     }
