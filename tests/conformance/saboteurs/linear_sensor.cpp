@@ -54,14 +54,17 @@ private:
         const bool is_bad = DEFECT("sensor-constant-noise-is-constant");
         if (!(is_bad || NEAR_MISS("sensor-constant-noise-is-constant")) || args->cartesian.data == nullptr)
             return status;
-        for (std::int64_t i = 0; i < args->out.count; ++i) {
-            const double reach = std::abs(args->cartesian.data[i * args->cartesian.item_stride]);
+        const plr_status checked = pelorus::guarded(
+            call->error, [&] { pelorus::expect(args->cartesian, 3, 1, args->out.count, "cartesian"); });
+        if (status < 0 || checked != PLR_OK) return status < 0 ? status : checked;
+        return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
+            const pelorus::Vector<3> x = pelorus::load<3, 1>(args->cartesian, i);
+            if (!x.allFinite()) throw pelorus::NumericError("the object is nowhere");
+            const double reach = std::abs(x(0));
             const Noise r = pelorus::load<3, 3>(pelorus::as_const(args->out), i);
-            if (!std::isfinite(reach)) continue;
             const Noise grown = (1 + (is_bad ? 1e-5 : 1e-18) * reach) * r;
             pelorus::store<3, 3>(args->out, i, grown);
-        }
-        return status;
+        });
     }
 };
 

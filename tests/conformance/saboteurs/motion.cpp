@@ -95,14 +95,19 @@ private:
         const plr_status status = Base::table().noise(self, call, args);
         const bool is_bad = DEFECT("motion-constant-noise-is-constant");
         if (!(is_bad || NEAR_MISS("motion-constant-noise-is-constant")) || args->state.data == nullptr) return status;
-        if (status != PLR_OK) return status;
-        return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
+        if (status < 0) return status;
+        const plr_status checked =
+            pelorus::guarded(call->error, [&] { pelorus::expect(args->state, 6, 1, args->out.count, "state"); });
+        if (checked != PLR_OK) return checked;
+        const plr_status grown = pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
+            if (call->item_status != nullptr && call->item_status[i] != PLR_OK) return;
             const State x = pelorus::load<6, 1>(args->state, i);
             const double growth = 1 + (is_bad ? 1e-4 : 1e-16) * std::abs(x(3));
             Transition q = pelorus::load<6, 6>(pelorus::as_const(args->out), i);
             q *= growth;
             pelorus::store<6, 6>(args->out, i, q);
         });
+        return grown == PLR_OK ? status : grown;
     }
     static plr_status blocks_entry(const void* self, const plr_call* call, double dt, double* f1, double* q1) noexcept {
         return pelorus::guarded(call->error, [&] {

@@ -126,9 +126,10 @@ private:
     static plr_status measure_entry(const void* self, const plr_call* call, const plr_sensor_measure* args) noexcept {
         const plr_status status = Base::table().measure(self, call, args);
         const bool is_bad = DEFECT("sensor-points-equal-singles");
-        if (status != PLR_OK || !(is_bad || NEAR_MISS("sensor-points-equal-singles"))) return status;
+        if (status < 0 || !(is_bad || NEAR_MISS("sensor-points-equal-singles"))) return status;
         for (std::int64_t i = 0; i < args->out.count; ++i)
             for (std::int64_t p = 1; p < args->out.cols; ++p) {
+                if (call->item_status != nullptr && call->item_status[i] != PLR_OK) continue;
                 double* const item = args->out.data + i * args->out.item_stride;
                 double& range = item[p * args->out.col_stride];
                 range = is_bad ? item[0] : range * (1 + 1e-15);

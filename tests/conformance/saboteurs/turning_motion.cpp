@@ -175,6 +175,9 @@ private:
         return std::abs(u) < 1e-2 ? -u / 3 + u * u * u / 30 : (u * std::cos(u) - std::sin(u)) / (u * u);
     }
 
+    static bool has_failed(const plr_call& call, std::int64_t i) noexcept {
+        return call.item_status != nullptr && call.item_status[i] != PLR_OK;
+    }
     static plr_status propagate_entry(const void* self, const plr_call* call,
                                       const plr_motion_propagate* args) noexcept {
         const plr_status status = Base::table().propagate(self, call, args);
@@ -184,9 +187,9 @@ private:
                 if (call->item_status[i] != PLR_OK)
                     args->out.data[i * args->out.item_stride] = std::numeric_limits<double>::quiet_NaN();
         // The turn of the first point, taken for all.
-        if (DEFECT("motion-points-equal-singles") && args->out.cols > 1 && status == PLR_OK)
+        if (DEFECT("motion-points-equal-singles") && args->out.cols > 1 && status >= 0)
             for (std::int64_t i = 0; i < args->out.count; ++i)
-                for (std::int64_t p = 1; p < args->out.cols; ++p)
+                for (std::int64_t p = 1; p < args->out.cols && !has_failed(*call, i); ++p)
                     pelorus::store<5, 1>(args->out, i,
                                          of(self).moved(pelorus::load_column<5>(args->state, i, p),
                                                         pelorus::load_column<5>(args->state, i, 0)(4),
@@ -197,6 +200,15 @@ private:
     static plr_status advance_entry(const void* self, const plr_call* call, const plr_motion_record* args) noexcept {
         if (!DEFECT("motion-record-advances-in-place") && !NEAR_MISS("motion-record-advances-in-place"))
             return Base::table().advance_record(self, call, args);
+        const std::int64_t count = args->out.count;
+        const plr_status checked = pelorus::guarded(call->error, [&] {
+            pelorus::expect(args->dt, 1, 1, count, "dt");
+            pelorus::expect(args->state, 5, 1, count, "state");
+            pelorus::expect(args->covariance, 5, 5, count, "covariance");
+            pelorus::expect(args->record, 2, 1, count, "record");
+            pelorus::expect(args->out, 2, 1, count, "out");
+        });
+        if (checked != PLR_OK) return checked;
         return pelorus::for_items(*call, args->out.count, [&](std::int64_t i) {
             refuse_backward(args->dt.data[i * args->dt.item_stride]);
             const double* covariance = args->covariance.data + i * args->covariance.item_stride;
