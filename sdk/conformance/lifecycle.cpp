@@ -163,7 +163,7 @@ PELORUS_CHECK(
     every, "instances-are-independent", 3,
     "An instance answers the same alone in its process and beside one of other values; whatever is kept in static "
     "variables belongs to the first one made.",
-    {"instance-is-accepted"}) {
+    {"instance-is-accepted", "same-bytes-of-another-instance", "same-bytes-in-another-process"}) {
     bench.once_a_plugin();
     const Sample sample = bench.sample();
     std::string other, alone;

@@ -135,6 +135,7 @@ private:
             check_step(args->dt, args->record, count);
             expect(args->state, N, points, count, "state");
             expect(args->out, N, points, count, "out");
+            if (args->mean.data != nullptr) expect(args->mean, N, 1, count, "mean");
             return for_items(*call, count, [&](std::int64_t i) {
                 Step s = step(*call, args->dt, args->record, i);
                 if (args->mean.data != nullptr) s.mean = args->mean.data + i * args->mean.item_stride;
@@ -149,6 +150,7 @@ private:
             check_step(args->dt, args->record, count);
             expect(args->state, N, 1, count, "state");
             expect(args->out, N, N, count, "out");
+            if (args->mean.data != nullptr) expect(args->mean, N, 1, count, "mean");
             return for_items(*call, count, [&](std::int64_t i) {
                 Step s = step(*call, args->dt, args->record, i);
                 if (args->mean.data != nullptr) s.mean = args->mean.data + i * args->mean.item_stride;
