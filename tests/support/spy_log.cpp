@@ -193,7 +193,7 @@ void SpyLog::check_order(const std::vector<std::string>& nodes) const {
                                {call["arrival"], call["time"], place(call["origin"]), call["sequence"]}});
         }
         const bool publishes =
-            call["answer"] == 0 && !of(node + ".motion", "create").empty() && is_any(call, {"receive", "finish"});
+            is_any(call, {"receive", "finish"}) && call["answer"] == 0 && !of(node + ".motion", "create").empty();
         for (int i = 0; publishes && i < 2; ++i) published[sequence++] = ended(call);
     }
     int wrong = 0;
