@@ -36,17 +36,18 @@ public:
         const std::int64_t doubles = matrices_ == 0 ? 0 : (matrices_ - 1) * stride_ + size_;
         is_null_ = count == 0 && options.is_null_if_empty;
         if (options.is_guarded && (is_input || !options.has_slack)) {
-            guarded_.emplace(at(doubles), ZoneName{function, argument.name});
+            guarded_.emplace(at(doubles), ZoneName{function, argument.name},
+                             is_input ? Lent::for_reading : Lent::for_writing);
             data_ = guarded_->data();
         } else {
             plain_.assign(at(doubles + (is_input ? 0 : slack)), GuardedMemory::pattern());
             data_ = plain_.data();
         }
         if (!is_input) return;
+        double* const fill = guarded_ ? guarded_->fill() : data_;
         for (std::int64_t m = 0; m < matrices_; ++m)
             for (std::int64_t e = 0; e < size_; ++e)
-                data_[offset(m, e % argument.rows, e / argument.rows)] = argument.values[at(m * size_ + e)];
-        if (guarded_) guarded_->make_read_only();
+                fill[offset(m, e % argument.rows, e / argument.rows)] = argument.values[at(m * size_ + e)];
     }
 
     plr_view view() const {

@@ -62,66 +62,101 @@ int add_zone(const unsigned char* mapping, std::size_t mapped, const double* dat
 
 namespace {
 
-/// Mappings that are used again, because the system takes its time over making and ending them. By size; ready to be written.
-std::mutex kept_mutex;
-std::map<std::size_t, std::vector<unsigned char*>> kept;
 constexpr std::size_t most_kept_of_a_size = 64, largest_kept = std::size_t{1} << 20;
 
-unsigned char* new_mapping(std::size_t mapped) {
-    void* const memory = mmap(nullptr, mapped, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) throw std::bad_alloc();
-    auto* const mapping = static_cast<unsigned char*>(memory);
-    if (mprotect(mapping + page(), mapped - 2 * page(), PROT_READ | PROT_WRITE) != 0) throw std::bad_alloc();
-    return mapping;
-}
+/// Mappings that are used again, because the system takes its time over making and ending them. By size; ready to be written.
+class KeptMappings {
+public:
+    explicit KeptMappings(Lent lent) : lent_(lent) {}
 
-unsigned char* take_mapping(std::size_t mapped) {
-    {
-        const std::lock_guard<std::mutex> lock(kept_mutex);
-        std::vector<unsigned char*>& same = kept[mapped];
-        if (!same.empty()) {
-            unsigned char* const mapping = same.back();
-            same.pop_back();
-            return mapping;
-        }
+    GuardedMapping take(std::size_t size) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        std::vector<GuardedMapping>& same = of_this_process()[size];
+        if (same.empty()) return made(size);
+        const GuardedMapping mapping = same.back();
+        same.pop_back();
+        return mapping;
     }
-    return new_mapping(mapped);
-}
 
-void give_back(unsigned char* mapping, std::size_t mapped, bool is_read_only) {
-    if (mapped <= largest_kept &&
-        (!is_read_only || mprotect(mapping + page(), mapped - 2 * page(), PROT_READ | PROT_WRITE) == 0)) {
-        const std::lock_guard<std::mutex> lock(kept_mutex);
-        std::vector<unsigned char*>& same = kept[mapped];
-        if (same.size() < most_kept_of_a_size) {
-            same.push_back(mapping);
-            return;
+    void give_back(const GuardedMapping& mapping, bool is_as_made) {
+        if (mapping.size <= largest_kept && is_as_made) {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            std::vector<GuardedMapping>& same = of_this_process()[mapping.size];
+            if (same.size() < most_kept_of_a_size) {
+                same.push_back(mapping);
+                return;
+            }
         }
+        munmap(mapping.begin, mapping.size);
+        if (lent_ == Lent::for_reading) munmap(mapping.owner, mapping.size - 2 * page());
     }
-    munmap(mapping, mapped);
+
+private:
+    /// What another process kept, from which this one was forked, would be shared with it.
+    std::map<std::size_t, std::vector<GuardedMapping>>& of_this_process() {
+        if (lent_ == Lent::for_reading && process_ != getpid()) {
+            kept_.clear();
+            process_ = getpid();
+        }
+        return kept_;
+    }
+
+    GuardedMapping made(std::size_t size) const {
+        const std::size_t inner = size - 2 * page();
+        void* const begin = mmap(nullptr, size, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (begin == MAP_FAILED) throw std::bad_alloc();
+        auto* const memory = static_cast<unsigned char*>(begin) + page();
+        if (lent_ == Lent::for_reading) return {static_cast<unsigned char*>(begin), view_twice(memory, inner), size};
+        if (mprotect(memory, inner, PROT_READ | PROT_WRITE) != 0) throw std::bad_alloc();
+        return {static_cast<unsigned char*>(begin), memory, size};
+    }
+
+    /// Puts memory there that can only be read, and answers where it can be written: so no call needs a change of protection.
+    static unsigned char* view_twice(unsigned char* there, std::size_t inner) {
+        const int file = memfd_create("pelorus-conform", MFD_CLOEXEC);
+        if (file < 0) throw std::bad_alloc();
+        void* owner = MAP_FAILED;
+        if (ftruncate(file, static_cast<off_t>(inner)) == 0 &&
+            mmap(there, inner, PROT_READ, MAP_SHARED | MAP_FIXED, file, 0) != MAP_FAILED)
+            owner = mmap(nullptr, inner, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        close(file);
+        if (owner == MAP_FAILED) throw std::bad_alloc();
+        return static_cast<unsigned char*>(owner);
+    }
+
+    Lent lent_;
+    pid_t process_ = 0;
+    std::mutex mutex_;
+    std::map<std::size_t, std::vector<GuardedMapping>> kept_;
+};
+
+KeptMappings& kept_mappings(Lent lent) {
+    static KeptMappings written(Lent::for_writing), read(Lent::for_reading);
+    return lent == Lent::for_reading ? read : written;
 }
 
 }  // namespace
 
-GuardedMemory::GuardedMemory(std::size_t doubles, const ZoneName& name) : doubles_(doubles) {
+GuardedMemory::GuardedMemory(std::size_t doubles, const ZoneName& name, Lent lent) : lent_(lent), doubles_(doubles) {
     const std::size_t bytes = doubles * sizeof(double);
     const std::size_t inner = (bytes + page() - 1) / page() * page() + (bytes == 0 ? page() : 0);
-    mapped_ = inner + 2 * page();
-    mapping_ = take_mapping(mapped_);
+    mapping_ = kept_mappings(lent).take(inner + 2 * page());
     for (std::size_t at = 0; at < inner; at += sizeof pattern_bits)
-        std::memcpy(mapping_ + page() + at, &pattern_bits, sizeof pattern_bits);
-    data_ = reinterpret_cast<double*>(mapping_ + page() + inner - bytes);
-    zone_ = add_zone(mapping_, mapped_, data_, doubles_, name);
+        std::memcpy(mapping_.owner + at, &pattern_bits, sizeof pattern_bits);
+    data_ = reinterpret_cast<double*>(mapping_.begin + page() + inner - bytes);
+    fill_ = reinterpret_cast<double*>(mapping_.owner + inner - bytes);
+    zone_ = add_zone(mapping_.begin, mapping_.size, data_, doubles_, name);
 }
 
 GuardedMemory::GuardedMemory(GuardedMemory&& other) noexcept
-    : mapping_(other.mapping_),
-      mapped_(other.mapped_),
+    : lent_(other.lent_),
+      mapping_(other.mapping_),
       doubles_(other.doubles_),
       data_(other.data_),
+      fill_(other.fill_),
       zone_(other.zone_),
       is_read_only_(other.is_read_only_) {
-    other.mapping_ = nullptr;
+    other.mapping_.begin = nullptr;
     other.zone_ = -1;
 }
 
@@ -131,23 +166,27 @@ GuardedMemory::~GuardedMemory() {
         zone.mapping = nullptr;
         zone.is_taken = false;
     }
-    if (mapping_ != nullptr) give_back(mapping_, mapped_, is_read_only_);
+    if (mapping_.begin == nullptr) return;
+    const std::size_t inner = mapping_.size - 2 * page();
+    const bool is_as_made = !is_read_only_ || (lent_ == Lent::for_writing &&
+                                               mprotect(mapping_.begin + page(), inner, PROT_READ | PROT_WRITE) == 0);
+    kept_mappings(lent_).give_back(mapping_, is_as_made);
 }
 
 void GuardedMemory::make_read_only() {
-    mprotect(mapping_ + page(), mapped_ - 2 * page(), PROT_READ);
+    mprotect(mapping_.begin + page(), mapping_.size - 2 * page(), PROT_READ);
     is_read_only_ = true;
 }
 
 void GuardedMemory::take_back() {
-    mprotect(mapping_, mapped_, PROT_NONE);
+    mprotect(mapping_.begin, mapping_.size, PROT_NONE);
     is_read_only_ = true;  // for giving it back
     if (zone_ >= 0) zones[static_cast<std::size_t>(zone_)].is_taken_back = true;
 }
 
 bool GuardedMemory::is_intact_before() const noexcept {
     const unsigned char* const end = reinterpret_cast<const unsigned char*>(data_);
-    for (const unsigned char* at = mapping_ + page(); at < end; at += sizeof pattern_bits)
+    for (const unsigned char* at = mapping_.begin + page(); at < end; at += sizeof pattern_bits)
         if (std::memcmp(at, &pattern_bits, sizeof pattern_bits) != 0) return false;
     return true;
 }

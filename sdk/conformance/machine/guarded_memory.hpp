@@ -13,16 +13,28 @@ struct ZoneName {
     std::string function, array;
 };
 
+/// A guard page, the memory, a guard page; and the memory once more, for its owner, if the plugin only reads it.
+struct GuardedMapping {
+    unsigned char* begin = nullptr;
+    unsigned char* owner = nullptr;  ///< the first byte of the memory where its owner may write it
+    std::size_t size = 0;
+};
+
+/// What the plugin may do with memory that is lent to it.
+enum class Lent { for_writing, for_reading };
+
 class GuardedMemory {
 public:
     /// `doubles` of them, ending at the guard page, filled with the pattern.
-    GuardedMemory(std::size_t doubles, const ZoneName& name);
+    GuardedMemory(std::size_t doubles, const ZoneName& name, Lent lent = Lent::for_writing);
     ~GuardedMemory();
     GuardedMemory(GuardedMemory&& other) noexcept;
     GuardedMemory& operator=(GuardedMemory&&) = delete;
 
     double* data() noexcept { return data_; }
     const double* data() const noexcept { return data_; }
+    /// The same memory for its owner, who may write it where the plugin may not.
+    double* fill() noexcept { return fill_; }
     std::size_t size() const noexcept { return doubles_; }
     /// From now on a write stops the plugin.
     void make_read_only();
@@ -36,9 +48,10 @@ public:
     static bool is_pattern(double value) noexcept;
 
 private:
-    unsigned char* mapping_ = nullptr;
-    std::size_t mapped_ = 0, doubles_ = 0;
-    double* data_ = nullptr;
+    Lent lent_;
+    GuardedMapping mapping_;
+    std::size_t doubles_ = 0;
+    double *data_ = nullptr, *fill_ = nullptr;
     int zone_ = -1;
     bool is_read_only_ = false;
 };
