@@ -51,6 +51,7 @@ ProcessPool::~ProcessPool() {
 }
 
 void ProcessPool::start(std::size_t job, double time_limit, const std::function<void(int)>& body) {
+    auto folder = std::make_unique<TemporaryFolder>();
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) fail("pipe");
     const int talk = memfd_create("talk", MFD_CLOEXEC);
@@ -60,6 +61,7 @@ void ProcessPool::start(std::size_t job, double time_limit, const std::function<
     if (process < 0) fail("fork");
     if (process == 0) {
         setpgid(0, 0);  // with whatever it starts, it can be killed
+        folder->become_home();
         close(ends[0]);
         dup2(talk, STDOUT_FILENO);
         dup2(talk, STDERR_FILENO);
@@ -71,7 +73,7 @@ void ProcessPool::start(std::size_t job, double time_limit, const std::function<
     setpgid(process, process);
     close(ends[1]);
     const double start = now();
-    running_[ends[0]] = {job, process, ends[0], talk, start, start + time_limit, {}};
+    running_[ends[0]] = {job, process, ends[0], talk, start, start + time_limit, std::move(folder), {}};
 }
 
 ProcessPool::Ended ProcessPool::wait() {

@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 #include <sys/types.h>
+
+#include "temporary_folder.hpp"
 
 namespace pelorus::conformance {
 
@@ -28,7 +31,8 @@ public:
 
     bool is_full() const noexcept { return running_.size() >= most_; }
     bool is_empty() const noexcept { return running_.empty(); }
-    /// Runs `body(descriptor)` in a child. Throws std::system_error if the system refuses one.
+    /// Runs `body(descriptor)` in a child, in a folder that goes with it however it ends. Throws std::system_error if the system
+    /// refuses one.
     void start(std::size_t job, double time_limit, const std::function<void(int descriptor)>& body);
     /// Waits for the next child to end or to run out of time (then it is killed).
     Ended wait();
@@ -39,6 +43,7 @@ private:
         pid_t process;
         int results, talk;  // descriptors of ours
         double started, deadline;
+        std::unique_ptr<TemporaryFolder> folder;
         std::string written;
     };
     Ended finish(std::map<int, Child>::iterator at, bool ran_out_of_time);

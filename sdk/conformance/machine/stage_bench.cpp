@@ -1,10 +1,5 @@
 #include "stage_bench.hpp"
 
-#include <unistd.h>
-
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "message_fields.hpp"
@@ -20,43 +15,6 @@ constexpr std::size_t scratch_size = std::size_t{1} << 20;  // bytes
 constexpr std::size_t most_events = 18;
 
 }  // namespace
-
-/// In memory where there is such a place: sinks wait for the disk when they complete a file.
-TemporaryFolder::TemporaryFolder() {
-    const fs::path memory = "/dev/shm";
-    const fs::path below = access(memory.c_str(), W_OK | X_OK) == 0 ? memory : fs::temp_directory_path();
-    std::string name = (below / "pelorus-conform-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Refused("cannot make a temporary folder " + name);
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
-
-void TemporaryFolder::clear() const {
-    for (const auto& entry : fs::directory_iterator(path_)) fs::remove_all(entry.path());
-}
-
-namespace {
-
-std::map<std::string, std::string> contents_of(const fs::path& folder) {
-    std::map<std::string, std::string> contents;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        std::string& content = contents[entry.path().lexically_relative(folder).string()];
-        if (!entry.is_regular_file()) continue;
-        std::ifstream stream(entry.path(), std::ios::binary);
-        std::ostringstream text;
-        text << stream.rdbuf();
-        content = text.str();
-    }
-    return contents;
-}
-
-}  // namespace
-
-std::map<std::string, std::string> TemporaryFolder::contents() const { return contents_of(path_); }
 
 StagePlayer::StagePlayer(const Bench& bench, PlayOptions options)
     : options_(std::move(options)), services_(bench.host()), scratch_(scratch_size / sizeof(std::uint64_t)) {

@@ -11,27 +11,12 @@
 
 #include "bench.hpp"
 #include "feed.hpp"
+#include "temporary_folder.hpp"
 #include "watch.hpp"
 
 namespace pelorus::conformance {
 
 using Bytes = std::vector<unsigned char>;
-
-/// A folder of its own below that of temporary files; gone with the object.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    const std::filesystem::path& path() const noexcept { return path_; }
-    /// All that is in it by relative name: content of files, "" for folders.
-    std::map<std::string, std::string> contents() const;
-    void clear() const;
-
-private:
-    std::filesystem::path path_;
-};
 
 /// What a call answered.
 struct Answer {
