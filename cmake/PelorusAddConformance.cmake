@@ -4,6 +4,7 @@
 #     [LEVEL 1..5]      3 unless given
 #     [WHOLE])          one test of levels 1 to 3 and one, labelled `long`, of all levels; else one test a check
 #
+# Testing need not have been enabled before. With BUILD_TESTING off (see CTest) nothing is added.
 # Adds the conformance suites on the library of TARGET (see pelorus_add_plugin) to ctest, as `conformance: TARGET: CHECK` or
 # `conformance: TARGET`. Which checks there are is asked when ctest starts: they depend on the kinds of the library's plugins.
 if(DEFINED PROJECT_NAME) # not in ctest, which includes this file, too
@@ -32,8 +33,16 @@ if(DEFINED PROJECT_NAME) # not in ctest, which includes this file, too
             get_filename_component(subjects "${arg_SUBJECTS}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_SOURCE_DIR}")
             list(APPEND options "--subjects=${subjects}")
         endif()
+        if(DEFINED BUILD_TESTING AND NOT BUILD_TESTING)
+            return()
+        endif()
+        # Not here, where it would last as long as the function; and from the first folder on, or ctest would not look further.
+        set(folder "${CMAKE_CURRENT_SOURCE_DIR}")
+        while(folder AND NOT CMAKE_TESTING_ENABLED)
+            cmake_language(DEFER DIRECTORY "${folder}" CALL enable_testing)
+            get_property(folder DIRECTORY "${folder}" PROPERTY PARENT_DIRECTORY)
+        endwhile()
         set_property(GLOBAL APPEND PROPERTY PELORUS_CONFORMANCE_LIBRARIES "$<TARGET_FILE:${TARGET}>")
-        enable_testing()
         if(arg_WHOLE)
             set(command "${runner}" "$<TARGET_FILE:${TARGET}>" ${options} --quiet)
             add_test(NAME "conformance: ${TARGET}" COMMAND ${command})
@@ -46,13 +55,13 @@ if(DEFINED PROJECT_NAME) # not in ctest, which includes this file, too
         set(include_file "${CMAKE_CURRENT_BINARY_DIR}/${TARGET}_conformance.cmake")
         file(GENERATE OUTPUT "${include_file}" CONTENT
 "include([==[${PELORUS_ADD_CONFORMANCE_FILE}]==])
-pelorus_add_conformance_cases(${TARGET} [==[${runner}]==] [==[$<TARGET_FILE:${TARGET}>]==] [==[${options}]==])
+pelorus_add_conformance_cases(${TARGET} [==[${runner}]==] [==[$<TARGET_FILE:${TARGET}>]==] [==[${options}]==] [==[${CMAKE_CURRENT_BINARY_DIR}]==])
 ")
         set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${include_file}")
     endfunction()
 endif()
 
-function(pelorus_add_conformance_cases target runner library options)
+function(pelorus_add_conformance_cases target runner library options folder)
     if(NOT EXISTS "${library}")
         add_test("conformance: ${target}: not-built" "${runner}" "${library}")
         return()
@@ -64,8 +73,15 @@ function(pelorus_add_conformance_cases target runner library options)
         return()
     endif()
     string(REPLACE "\n" ";" names "${names}")
+    # All are tried once, however many are asked for; then each test reads its verdict.
+    set(report "${folder}/${target}_conformance.json")
+    set(all "conformance: ${target}: all checks are tried")
+    add_test("${all}" "${runner}" "${library}" ${options} "--json=${report}" --quiet)
+    set_tests_properties("${all}" PROPERTIES FIXTURES_SETUP "conformance_${target}" LABELS conformance TIMEOUT 600
+                                             PASS_REGULAR_EXPRESSION "levels 1 to") # not only if all is well
     foreach(name IN LISTS names)
-        add_test("conformance: ${target}: ${name}" "${runner}" "${library}" ${options} "--only=${name}")
-        set_tests_properties("conformance: ${target}: ${name}" PROPERTIES LABELS conformance TIMEOUT 600)
+        add_test("conformance: ${target}: ${name}" "${runner}" "${library}" "--from=${report}" "--only=${name}")
+        set_tests_properties("conformance: ${target}: ${name}" PROPERTIES
+            FIXTURES_REQUIRED "conformance_${target}" LABELS conformance SKIP_REGULAR_EXPRESSION "  skipped +${name}")
     endforeach()
 endfunction()

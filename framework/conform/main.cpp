@@ -50,6 +50,21 @@ void write_to(const std::filesystem::path& file, const std::string& text) {
     if (!stream) throw Error(Exit::run_failed, file.string() + ": cannot be written");
 }
 
+/// Tells what an earlier report says of the checks that are asked for.
+int answer_from_report(const cli::CommandLine& line) {
+    const std::string file = line.value("from");
+    std::ifstream stream(file, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    if (!stream) throw Error(Exit::misuse, file + ": cannot be read");
+    try {
+        const conformance::Report report = conformance::read_report(text, line.values("only"));
+        cli::print(conformance::text_report(report, line.has("quiet")));
+        return static_cast<int>(report.is_well() ? Exit::done : Exit::run_failed);
+    } catch (const conformance::Refused& refused) {
+        throw Error(Exit::misuse, file + ": " + refused.what());
+    }
+}
+
 int answer(const cli::CommandLine& line) {
     if (line.wants_help()) {
         cli::print("pelorus-conform is started by `pelorus conform`; see: pelorus help conform\n");
@@ -63,6 +78,7 @@ int answer(const cli::CommandLine& line) {
             write_to(json, conformance::json_list());
         return 0;
     }
+    if (line.has("from")) return answer_from_report(line);
     const Options options = read_options(line);
     host::Catalog catalog(cli::plugin_folders(line));
     const conform::SuiteHost host(catalog);

@@ -52,6 +52,8 @@ std::vector<std::string> prerequisites_of(const Check& check);
 std::string text_report(const Report& report, bool is_quiet);
 std::string json_report(const Report& report);
 std::string junit_report(const Report& report);
+/// What json_report wrote, of these checks alone if any are named. Throws Refused where it is no such report, or has no such check.
+Report read_report(const std::string& json, const std::vector<std::string>& only);
 /// All checks with their laws: as text, and as JSON.
 std::string text_list();
 std::string json_list();
