@@ -84,7 +84,7 @@ Ended shell(const std::string& commands, const TemporaryFolder& folder) {
         {"FIXTURES", PELORUS_BUILD_DIR "/fixtures"},
         {"TEST_PLUGINS", PELORUS_TEST_PLUGINS},
         {"PLUGINS", PELORUS_PLUGIN_DIR}};
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PELORUS_ADDRESS_SANITIZER
     // The command tells of a crash itself, as in a build without the sanitizer.
     const char* given = std::getenv("ASAN_OPTIONS");
     options.environment["ASAN_OPTIONS"] = std::string(given == nullptr ? "" : given) + ":handle_segv=0:handle_sigbus=0";

@@ -7,7 +7,7 @@ using namespace pelorus::test;
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PELORUS_ADDRESS_SANITIZER
 constexpr bool sanitized = true;  // the sanitizer tells SIGSEGV itself, at length
 #else
 constexpr bool sanitized = false;

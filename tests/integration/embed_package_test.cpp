@@ -24,7 +24,7 @@ Ended require_success(const std::vector<std::string>& words, const ProcessOption
 
 /// A library with sanitizers wants an executable that has them.
 std::string compiler_flags() {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PELORUS_ADDRESS_SANITIZER
     return "-fsanitize=address,undefined";
 #else
     return "";
