@@ -25,7 +25,7 @@ const Grammar& conform_grammar() {
             {"from", "FILE", "try nothing: tell what a report (--json) of the library says, of --only if given"},
             {"quiet", "", "tell what failed, and the sum, alone"},
             {"jobs", "N", "checks at once; as many as the machine has cores unless given"},
-            {"time-limit", "S", "seconds that a check may take (20)"},
+            {"time-limit", "S", "seconds of processor time that a check may take (20)"},
             plugins_flag()};
         all.without_arguments = "list";
         return all;

@@ -5,6 +5,7 @@
 
 #include "cli/config_flags.hpp"
 #include "cli/conform_grammar.hpp"
+#include "cli/interrupt.hpp"
 #include "cli/output.hpp"
 #include "conform/suite_host.hpp"
 #include "conformance/machine/runner.hpp"
@@ -33,7 +34,7 @@ Options read_options(const cli::CommandLine& line) {
     options.json = line.value("json");
     options.junit = line.value("junit");
     if (line.has("subjects")) options.subjects = std::filesystem::absolute(line.value("subjects"), ignored);
-    for (const char* flag : {"seed", "subjects", "plugins"})
+    for (const char* flag : {"kind", "seed", "subjects", "plugins", "time-limit"})
         for (const std::string& value : line.values(flag)) {
             options.repeat.push_back(std::string("--") + flag);
             options.repeat.push_back(value);
@@ -79,7 +80,9 @@ int answer(const cli::CommandLine& line) {
         return 0;
     }
     if (line.has("from")) return answer_from_report(line);
-    const Options options = read_options(line);
+    const cli::Interrupt interrupt;
+    Options options = read_options(line);
+    options.stop = &interrupt.stop();
     host::Catalog catalog(cli::plugin_folders(line));
     const conform::SuiteHost host(catalog);
     conformance::Report report;

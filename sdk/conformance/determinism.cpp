@@ -1,10 +1,8 @@
 // The same arguments give the same bytes: again, in another instance, in another process, after whatever else was asked.
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cstring>
 #include <functional>
 
+#include "machine/apart.hpp"
 #include "machine/services.hpp"
 #include "model_calls.hpp"
 
@@ -14,31 +12,11 @@ namespace {
 
 /// What `body` answers in a process that is forked for it; empty where that did not come back.
 std::vector<double> in_another_process(const std::function<std::vector<double>()>& body) {
-    int ends[2];
-    if (pipe(ends) != 0) return {};
-    const pid_t process = fork();
-    if (process == 0) {
-        try {
+    const std::string bytes =
+        apart([&] {
             const std::vector<double> values = body();
-            const char* at = reinterpret_cast<const char*>(values.data());
-            for (std::size_t left = values.size() * sizeof(double); left > 0;) {
-                const ssize_t now = write(ends[1], at, left);
-                if (now <= 0) break;
-                at += now;
-                left -= static_cast<std::size_t>(now);
-            }
-        } catch (...) {
-            _exit(1);
-        }
-        _exit(0);
-    }
-    close(ends[1]);
-    std::vector<char> bytes;
-    char part[65536];
-    for (ssize_t got; process > 0 && (got = read(ends[0], part, sizeof part)) > 0;)
-        bytes.insert(bytes.end(), part, part + got);
-    close(ends[0]);
-    if (process > 0) waitpid(process, nullptr, 0);
+            return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+        }).written;
     std::vector<double> values(bytes.size() / sizeof(double));
     if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
     return values;

@@ -1,8 +1,11 @@
 // The runner as its users meet it: `pelorus conform`, its reports, its exit codes; and that no plugin is left out.
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <map>
 #include <set>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -159,4 +162,39 @@ TEST_CASE("An exception that leaves a call is a failure with its words") {
     const Json result = result_of(report_on_misdeed("throws", {"--only", "calls-succeed"}), "calls-succeed");
     CHECK(result["verdict"] == "fail");
     CHECK(messages_of(result).find("propagate was left by a std::exception: boom") != std::string::npos);
+}
+
+TEST_CASE("Conformance that is interrupted tells what it found, and is not well") {
+    pelorus::test::Process running({PELORUS_CONFORM, singer, "--level=5", "--jobs=1"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    running.send(SIGINT);
+    const Ended ended = running.wait();
+    CAPTURE(ended.out, ended.err);
+    CHECK(ended.exit == 1);
+    CHECK(ended.out.find("pass    library-loads") != std::string::npos);
+    CHECK(ended.out.find(": interrupted\n") != std::string::npos);
+    CHECK(ended.out.find(", interrupted; levels 1 to 5") != std::string::npos);
+}
+
+TEST_CASE("An earlier report tells each check as the run did") {
+    const pelorus::test::TemporaryFolder folder;
+    const std::string file = folder / "report.json";
+    const Ended whole = pelorus_command({"conform", saboteur, "--json", file});
+    const Ended again = pelorus_command({"conform", saboteur, "--from", file});
+    CHECK(again.exit == whole.exit);
+    CHECK(again.out == whole.out);
+    const auto one = [&](const std::string& name) {
+        return pelorus_command({"conform", saboteur, "--from", file, "--only", name});
+    };
+    CHECK(one("covariances-symmetric").exit == 1);
+    CHECK(one("library-loads").exit == 0);
+    const Ended skipped = one("threads-race-free");
+    CHECK(skipped.exit == 0);
+    CHECK(skipped.out.find("0 passed, 1 skipped") != std::string::npos);
+    const Ended unknown = one("no-such-check");
+    CHECK(unknown.exit == 2);
+    CHECK(unknown.err.find("tells nothing of a check no-such-check") != std::string::npos);
+    std::ofstream(file) << "{}";
+    CHECK(one("library-loads").exit == 2);
+    CHECK(pelorus_command({"conform", saboteur, "--from", folder / "nothing"}).exit == 2);
 }

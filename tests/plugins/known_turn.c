@@ -106,6 +106,24 @@ static plr_status step_of(const plr_call* call, const plr_const_view* dts, int64
                 *dt);
 }
 
+/* What is not finite is no answer of item i; `status` is what the item came to so far. */
+static plr_status told(const plr_call* call, int64_t i, plr_status status, const double* out, int size) {
+    int is_finite = 1;
+    if (status != PLR_OK) return status;
+    for (int element = 0; element < size; ++element) is_finite = is_finite && isfinite(out[element]);
+    if (is_finite) return PLR_OK;
+    if (call->item_status != NULL) call->item_status[i] = PLR_E_NUMERIC;
+    return fail(call->error, PLR_E_NUMERIC, call->item_offset + i, "", "the result is not finite");
+}
+
+/* Whether an array has `rows` rows and, unless it is -1, `cols` columns. */
+static plr_status shaped(const plr_call* call, const char* name, int64_t rows, int64_t cols, int64_t wanted_rows,
+                         int64_t wanted_cols) {
+    if (rows == wanted_rows && (wanted_cols < 0 || cols == wanted_cols)) return PLR_OK;
+    return fail(call->error, PLR_E_ARGUMENT, -1, "", "%s: is %lld x %lld, expected %lld rows", name, (long long)rows,
+                (long long)cols, (long long)wanted_rows);
+}
+
 static plr_status after(const plr_call* call, plr_status failed) {
     return failed == PLR_OK || call->item_status == NULL ? failed : (plr_status)PLR_ITEMS_FAILED;
 }
@@ -117,11 +135,11 @@ static plr_status propagate(const void* instance, const plr_call* call, const pl
     const int n = 2 * self->axes;
     double f[max_state * max_state], dt;
     plr_status failed = PLR_OK;
-    if (args->state.rows != n || args->out.rows != n)
-        return fail(call->error, PLR_E_ARGUMENT, -1, "", "state: has %lld rows, expected %d",
-                    (long long)args->state.rows, n);
+    plr_status shape = shaped(call, "state", args->state.rows, args->state.cols, n, args->out.cols);
+    if (shape == PLR_OK) shape = shaped(call, "out", args->out.rows, args->out.cols, n, -1);
+    if (shape != PLR_OK) return shape;
     for (int64_t i = 0; i < args->out.count; ++i) {
-        const plr_status status = step_of(call, &args->dt, i, &dt);
+        plr_status status = step_of(call, &args->dt, i, &dt);
         if (status != PLR_OK) {
             failed = status;
             continue;
@@ -135,20 +153,26 @@ static plr_status propagate(const void* instance, const plr_call* call, const pl
                 for (int col = 0; col < n; ++col) sum += f[col * n + row] * x[col];
                 out[row] = sum;
             }
+            status = told(call, i, status, out, n);
         }
+        if (status != PLR_OK) failed = status;
     }
     return after(call, failed);
 }
 
 static plr_status jacobian(const void* instance, const plr_call* call, const plr_motion_jacobian* args) {
-    plr_status failed = PLR_OK;
+    const int n = 2 * ((const known_turn*)instance)->axes;
+    plr_status failed = shaped(call, "out", args->out.rows, args->out.cols, n, n);
     double dt;
+    if (failed != PLR_OK) return failed;
     for (int64_t i = 0; i < args->out.count; ++i) {
-        const plr_status status = step_of(call, &args->dt, i, &dt);
-        if (status == PLR_OK)
-            transition(instance, dt, args->out.data + i * args->out.item_stride);
-        else
-            failed = status;
+        double* out = args->out.data + i * args->out.item_stride;
+        plr_status status = step_of(call, &args->dt, i, &dt);
+        if (status == PLR_OK) {
+            transition(instance, dt, out);
+            status = told(call, i, status, out, n * n);
+        }
+        if (status != PLR_OK) failed = status;
     }
     return after(call, failed);
 }
@@ -156,11 +180,12 @@ static plr_status jacobian(const void* instance, const plr_call* call, const plr
 static plr_status noise(const void* instance, const plr_call* call, const plr_motion_noise* args) {
     const known_turn* self = instance;
     const int axes = self->axes, n = 2 * axes;
-    plr_status failed = PLR_OK;
+    plr_status failed = shaped(call, "out", args->out.rows, args->out.cols, n, n);
     double dt;
+    if (failed != PLR_OK) return failed;
     for (int64_t i = 0; i < args->out.count; ++i) {
         double* q = args->out.data + i * args->out.item_stride;
-        const plr_status status = step_of(call, &args->dt, i, &dt);
+        plr_status status = step_of(call, &args->dt, i, &dt);
         if (status != PLR_OK) {
             failed = status;
             continue;
@@ -171,6 +196,8 @@ static plr_status noise(const void* instance, const plr_call* call, const plr_mo
             q[axis * n + axes + axis] = q[(axes + axis) * n + axis] = self->noise * dt * dt / 2;
             q[(axes + axis) * n + axes + axis] = self->noise * dt;
         }
+        status = told(call, i, status, q, n * n);
+        if (status != PLR_OK) failed = status;
     }
     return after(call, failed);
 }

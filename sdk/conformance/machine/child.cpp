@@ -2,6 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include <nlohmann/json.hpp>
 
 #include "catch_runner.hpp"
@@ -83,9 +86,20 @@ void run_child(const Task& task, int descriptor) {
     _exit(0);
 }
 
-const char* verdict_name(Verdict verdict) noexcept {
-    static const char* const names[] = {"pass", "warn", "fail", "crash", "hang", "skipped"};
-    return names[static_cast<int>(verdict)];
+namespace {
+constexpr const char* verdict_names[] = {"pass", "warn", "fail", "crash", "hang", "skipped"};
+}
+
+const char* verdict_name(Verdict verdict) noexcept { return verdict_names[static_cast<int>(verdict)]; }
+
+std::optional<Verdict> find_verdict(const std::string& name) noexcept {
+    const auto* const found = std::find(std::begin(verdict_names), std::end(verdict_names), name);
+    if (found == std::end(verdict_names)) return std::nullopt;
+    return static_cast<Verdict>(found - std::begin(verdict_names));
+}
+
+bool is_bad(Verdict verdict) noexcept {
+    return verdict == Verdict::fail || verdict == Verdict::crash || verdict == Verdict::hang;
 }
 
 Outcome read_outcome(const std::string& written) {
@@ -95,9 +109,7 @@ Outcome read_outcome(const std::string& written) {
         outcome.verdict = Verdict::crash;
         return outcome;
     }
-    const std::string verdict = json["verdict"];
-    for (const Verdict each : {Verdict::pass, Verdict::warn, Verdict::fail, Verdict::crash, Verdict::skipped})
-        if (verdict == verdict_name(each)) outcome.verdict = each;
+    outcome.verdict = find_verdict(json["verdict"]).value_or(Verdict::crash);
     outcome.messages = json["messages"].get<std::vector<std::string>>();
     if (json.contains("notes")) outcome.notes = json["notes"].get<std::vector<std::string>>();
     outcome.reason = json.value("reason", "");

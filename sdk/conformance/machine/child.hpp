@@ -1,6 +1,7 @@
 /// What happens in the process that tries one check.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace pelorus::conformance {
 
 enum class Verdict { pass, warn, fail, crash, hang, skipped };
 const char* verdict_name(Verdict verdict) noexcept;
+std::optional<Verdict> find_verdict(const std::string& name) noexcept;
+/// Whether it is the plugin's fault.
+bool is_bad(Verdict verdict) noexcept;
 
 /// What a check came to.
 struct Outcome {

@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,9 +14,15 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
+#include <initializer_list>
 #include <sstream>
 #include <system_error>
 #include <vector>
+
+extern "C" {  // which the header forgets in glibc 2.36
+#include <sys/pidfd.h>
+}
 
 namespace pelorus::conformance {
 
@@ -46,6 +54,47 @@ std::string how_it_ended(int status) {
 
 }  // namespace
 
+namespace {
+
+constexpr rlim_t most_memory = rlim_t{8} << 30, longest_file = rlim_t{256} << 20;  // bytes
+/// How often a child that took its time is looked at, and what is no work in between, in s.
+constexpr double look_every = 2, no_work = 0.005;
+
+void limit(int resource, rlim_t most) {
+    rlimit now{};
+    if (getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0 || now.rlim_cur <= most) return;
+    now.rlim_cur = most;
+    setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
+}
+
+/// What a child of ours is, before anything of a plugin runs in it.
+void become_child(pid_t parent, int talk, bool is_nested) {
+    if (!is_nested) setpgid(0, 0);  // with whatever it starts, it can be killed
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, SIG_DFL);
+#if !defined(__SANITIZE_THREAD__)  // whose shadow memory is larger than any machine
+    limit(RLIMIT_AS, most_memory);
+#endif
+    limit(RLIMIT_FSIZE, longest_file);
+    limit(RLIMIT_CORE, 0);
+    dup2(talk, STDOUT_FILENO);
+    dup2(talk, STDERR_FILENO);
+    dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+}
+
+/// A pool in a child of a pool: its children stay in the group of that child, and are killed with it.
+bool is_child = false;
+
+double processor_time(pid_t process) {
+    clockid_t clock;
+    timespec time{};
+    if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
 ProcessPool::~ProcessPool() {
     while (!running_.empty()) finish(running_.begin(), true);
 }
@@ -53,65 +102,86 @@ ProcessPool::~ProcessPool() {
 void ProcessPool::start(std::size_t job, double time_limit, const std::function<void(int)>& body) {
     auto folder = std::make_unique<TemporaryFolder>();
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) fail("pipe");
+    if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) fail("pipe");
     const int talk = memfd_create("talk", MFD_CLOEXEC);
     if (talk < 0) fail("memfd_create");
     std::fflush(nullptr);  // or the child writes it once more
+    const pid_t parent = getpid();
     const pid_t process = fork();
     if (process < 0) fail("fork");
     if (process == 0) {
-        setpgid(0, 0);  // with whatever it starts, it can be killed
+        become_child(parent, talk, is_child);
+        is_child = true;
         folder->become_home();
         close(ends[0]);
-        dup2(talk, STDOUT_FILENO);
-        dup2(talk, STDERR_FILENO);
-        const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
-        dup2(nothing, STDIN_FILENO);
+        fcntl(ends[1], F_SETFL, 0);  // the child waits until we have read
         body(ends[1]);
         _exit(0);
     }
-    setpgid(process, process);
+    if (!is_child) setpgid(process, process);
     close(ends[1]);
+    const int alive = pidfd_open(process, 0);
+    if (alive < 0) fail("pidfd_open");
     const double start = now();
-    running_[ends[0]] = {job, process, ends[0], talk, start, start + time_limit, std::move(folder), {}};
+    running_.push_back({job, process, alive, ends[0], talk, start, time_limit, start, 0, std::move(folder), {}});
+}
+
+/// Takes what there is to read; false once there will be no more.
+bool ProcessPool::read_some(Child& child) {
+    char bytes[65536];
+    for (;;) {
+        const ssize_t got = read(child.results, bytes, sizeof bytes);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return got < 0 && errno == EAGAIN;
+        child.written.append(bytes, static_cast<std::size_t>(got));
+    }
+}
+
+bool ProcessPool::has_run_out(Child& child) const {
+    const double time = now();
+    if (time < child.started + child.time_limit || time < child.looked_at + look_every) return false;
+    const double used = processor_time(child.process), before = child.used_then;
+    const bool is_first_look = child.looked_at == child.started;
+    child.looked_at = time;
+    child.used_then = used;
+    return used >= child.time_limit || (!is_first_look && used - before < no_work);
 }
 
 ProcessPool::Ended ProcessPool::wait() {
     for (;;) {
+        if (stop_ != nullptr && *stop_) throw Interrupted();
         std::vector<pollfd> waiting;
-        double deadline = 1e300;
-        for (const auto& [descriptor, child] : running_) {
-            waiting.push_back({descriptor, POLLIN, 0});
-            deadline = std::min(deadline, child.deadline);
+        for (const Child& child : running_) {
+            waiting.push_back({child.alive, POLLIN, 0});
+            waiting.push_back({child.results, POLLIN, 0});  // -1, once it is closed, is passed over
         }
-        const int milliseconds = static_cast<int>(std::max(0.0, std::min(1e6, (deadline - now()) * 1e3 + 1)));
+        constexpr int milliseconds = 200;  // a signal may come just before
         poll(waiting.data(), waiting.size(), milliseconds);
-        for (const pollfd& each : waiting) {
-            const auto at = running_.find(each.fd);
-            if (each.revents != 0) {
-                char bytes[65536];
-                const ssize_t got = read(each.fd, bytes, sizeof bytes);
-                if (got > 0)
-                    at->second.written.append(bytes, static_cast<std::size_t>(got));
-                else if (got == 0)
-                    return finish(at, false);
+        for (std::size_t i = 0; i < running_.size(); ++i) {
+            const auto at = running_.begin() + static_cast<std::ptrdiff_t>(i);
+            if (waiting[2 * i + 1].revents != 0 && !read_some(*at)) {
+                close(at->results);
+                at->results = -1;
             }
-            if (now() > at->second.deadline) return finish(at, true);
+            if (waiting[2 * i].revents != 0) return finish(at, false);
+            if (has_run_out(*at)) return finish(at, true);
         }
     }
 }
 
-ProcessPool::Ended ProcessPool::finish(std::map<int, Child>::iterator at, bool ran_out_of_time) {
-    Child& child = at->second;
-    if (ran_out_of_time) kill(-child.process, SIGKILL);
+ProcessPool::Ended ProcessPool::finish(std::vector<Child>::iterator at, bool ran_out_of_time) {
+    Child& child = *at;
+    // While it is not waited for, its number is its own; with it goes what it started.
+    if (ran_out_of_time) kill(child.process, SIGKILL);
+    if (!is_child) kill(-child.process, SIGKILL);
     int status = 0;
     while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
     }
-    kill(-child.process, SIGKILL);  // what it may have started
+    if (child.results >= 0) read_some(child);
     Ended ended{child.job,       std::move(child.written), end_of(child.talk), how_it_ended(status),
                 ran_out_of_time, now() - child.started};
-    close(child.results);
-    close(child.talk);
+    for (const int descriptor : {child.alive, child.results, child.talk})
+        if (descriptor >= 0) close(descriptor);
     running_.erase(at);
     return ended;
 }

@@ -18,10 +18,6 @@ std::map<Verdict, int> counts_of(const Report& report) {
     return counts;
 }
 
-bool is_bad(Verdict verdict) {
-    return verdict == Verdict::fail || verdict == Verdict::crash || verdict == Verdict::hang;
-}
-
 std::string indented(const std::string& text, const std::string& margin) {
     std::string out = margin;
     for (const char c : text) {
@@ -105,6 +101,7 @@ std::string text_report(const Report& report, bool is_quiet) {
                                                           {Verdict::skipped, "skipped"}};
         if (number(verdict) != 0) text += fmt::format(", {} {}", number(verdict), words.at(verdict));
     }
+    if (report.was_interrupted) text += ", interrupted";
     return text + fmt::format("; levels 1 to {}, seed {}, {:.1f} s\n", report.level, report.seed, report.seconds);
 }
 

@@ -11,13 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Verdict verdict_of(const std::string& name) {
-    for (const Verdict verdict :
-         {Verdict::pass, Verdict::warn, Verdict::fail, Verdict::crash, Verdict::hang, Verdict::skipped})
-        if (name == verdict_name(verdict)) return verdict;
-    throw Refused("is no report of conformance: there is no verdict " + name);
-}
-
 Result result_of(const Json& json) {
     Result result;
     const std::string name = json.at("name");
@@ -25,7 +18,9 @@ Result result_of(const Json& json) {
     if (result.check == nullptr) throw Refused("is of another version: there is no check " + name);
     result.plugin = json.at("plugin");
     result.kind = json.at("kind");
-    result.outcome.verdict = verdict_of(json.at("verdict"));
+    const std::string verdict = json.at("verdict");
+    if (!find_verdict(verdict)) throw Refused("is no report of conformance: there is no verdict " + verdict);
+    result.outcome.verdict = *find_verdict(verdict);
     result.outcome.messages = json.at("messages").get<std::vector<std::string>>();
     result.outcome.notes = json.at("notes").get<std::vector<std::string>>();
     result.outcome.reason = json.value("reason", "");

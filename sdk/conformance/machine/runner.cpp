@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <pelorus/abi/stage.h>
+
 #include "elf.hpp"
 #include "process.hpp"
 
@@ -16,22 +18,20 @@ namespace pelorus::conformance {
 
 namespace {
 
-bool concerns(const Check& check, const std::string& kind) {
-    static const std::set<std::string> models{"motion",      "sensor",   "estimator", "extent",
-                                              "partitioner", "waveform", "trajectory"};
+bool concerns(const Check& check, const ManifestEntry& plugin) {
     const std::string group = check.group;
     if (group == "library") return false;  // once, and not for each plugin
-    if (group == "every" || group == kind) return true;
-    return group == (models.count(kind) != 0 ? "model" : "stage");
+    return group == "every" || group == plugin.kind || group == (plugin.table_id == PLR_STAGE ? "stage" : "model");
 }
 
 /// A check of one plugin on its way through the run.
 struct Job {
     const Check* check;
     std::string plugin, kind;
-    std::vector<std::size_t> needs;  // indices of jobs that must be done before it
-    Outcome outcome;
-    bool is_done = false;
+    std::vector<std::size_t> needs = {};  // indices of jobs that must be done before it
+    enum class State { waiting, running, done } state = State::waiting;
+    Outcome outcome = {};
+    bool is_spoilt = false;  // it failed, or was skipped because of one that did
 };
 
 class Run {
@@ -40,15 +40,20 @@ public:
 
     std::vector<Result> go() {
         const unsigned jobs = options_.jobs != 0 ? options_.jobs : std::max(1u, std::thread::hardware_concurrency());
-        ProcessPool pool(jobs);
-        while (!std::all_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.is_done; })) {
-            start_what_can(pool);
-            const bool all_done = std::all_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.is_done; });
-            if (!pool.is_empty())
+        ProcessPool pool(jobs, options_.stop);
+        try {
+            for (;;) {
+                skip_what_rests_on_failures();
+                start_what_can(pool);
+                if (pool.is_empty()) break;
                 take(pool.wait());
-            else if (!all_done)
-                throw std::logic_error("checks rest on each other in a circle");
+            }
+        } catch (const ProcessPool::Interrupted&) {
+            for (Job& job : jobs_)
+                if (job.state != Job::State::done) skip(job, "interrupted");
         }
+        if (std::any_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.state != Job::State::done; }))
+            throw std::logic_error("checks rest on each other in a circle");
         std::vector<Result> results;
         for (Job& job : jobs_)
             results.push_back({job.check, job.plugin, job.kind, std::move(job.outcome), repeat_of(job)});
@@ -84,10 +89,11 @@ private:
         }
         const std::set<std::string> wanted = wanted_checks();
         for (const Check& check : checks())
-            if (std::string(check.group) == "library" && is_selected(check, wanted)) add(check, "", "");
+            if (std::string(check.group) == "library" && is_selected(check, wanted)) jobs_.push_back({&check, "", ""});
         for (const ManifestEntry& plugin : plugins)
             for (const Check& check : checks())
-                if (concerns(check, plugin.kind) && is_selected(check, wanted)) add(check, plugin.id, plugin.kind);
+                if (concerns(check, plugin) && is_selected(check, wanted))
+                    jobs_.push_back({&check, plugin.id, plugin.kind});
         find_needs();
         for (const std::string& name : options_.only)
             if (std::none_of(jobs_.begin(), jobs_.end(), [&](const Job& job) { return name == job.check->name; }))
@@ -124,10 +130,6 @@ private:
         return wanted.empty() ? check.level <= options_.level : wanted.count(check.name) != 0;
     }
 
-    void add(const Check& check, const std::string& plugin, const std::string& kind) {
-        jobs_.push_back({&check, plugin, kind, {}, {}, false});
-        is_started_.push_back(false);
-    }
     /// Once all are there: a check may stand before what it rests on.
     void find_needs() {
         for (Job& job : jobs_)
@@ -137,34 +139,35 @@ private:
                         job.needs.push_back(i);
     }
 
-    void start_what_can(ProcessPool& pool) {
-        for (std::size_t i = 0; i < jobs_.size(); ++i) {
-            if (is_started_[i]) continue;
-            Job& job = jobs_[i];
-            const auto is_done = [&](std::size_t needed) { return jobs_[needed].is_done; };
-            if (!std::all_of(job.needs.begin(), job.needs.end(), is_done)) continue;
-            const auto spoilt = std::find_if(job.needs.begin(), job.needs.end(),
-                                             [&](std::size_t needed) { return is_spoilt(jobs_[needed]); });
-            if (spoilt != job.needs.end()) {
-                job.outcome.verdict = Verdict::skipped;
-                job.outcome.reason = std::string(jobs_[*spoilt].check->name) + " failed";
-                job.is_done = is_started_[i] = true;
-                is_spoilt_.insert(i);
-                i = static_cast<std::size_t>(-1);  // what rests on it may come before it in the list
-                continue;
+    static void skip(Job& job, const std::string& reason) {
+        job.outcome.verdict = Verdict::skipped;
+        job.outcome.reason = reason;
+        job.state = Job::State::done;
+    }
+
+    /// Again and again, because what rests on a check may come before it in the list.
+    void skip_what_rests_on_failures() {
+        for (bool is_news = true; is_news;) {
+            is_news = false;
+            for (Job& job : jobs_) {
+                const auto spoilt = std::find_if(job.needs.begin(), job.needs.end(),
+                                                 [&](std::size_t needed) { return jobs_[needed].is_spoilt; });
+                if (job.state != Job::State::waiting || spoilt == job.needs.end()) continue;
+                skip(job, std::string(jobs_[*spoilt].check->name) + " failed");
+                job.is_spoilt = is_news = true;
             }
-            if (pool.is_full()) continue;
-            is_started_[i] = true;
-            const Task task = task_of(job);
-            pool.start(i, options_.time_limit, [task](int descriptor) { run_child(task, descriptor); });
         }
     }
 
-    bool is_spoilt(const Job& job) const {
-        const auto index = static_cast<std::size_t>(&job - jobs_.data());
-        const Verdict verdict = job.outcome.verdict;
-        return verdict == Verdict::fail || verdict == Verdict::crash || verdict == Verdict::hang ||
-               is_spoilt_.count(index) != 0;
+    void start_what_can(ProcessPool& pool) {
+        for (std::size_t i = 0; i < jobs_.size() && !pool.is_full(); ++i) {
+            Job& job = jobs_[i];
+            const auto is_done = [&](std::size_t needed) { return jobs_[needed].state == Job::State::done; };
+            if (job.state != Job::State::waiting || !std::all_of(job.needs.begin(), job.needs.end(), is_done)) continue;
+            job.state = Job::State::running;
+            const Task task = task_of(job);
+            pool.start(i, options_.time_limit, [task](int descriptor) { run_child(task, descriptor); });
+        }
     }
 
     Task task_of(const Job& job) const {
@@ -191,10 +194,9 @@ private:
         }
         job.outcome.seconds = ended.seconds;
         for (std::string& message : job.outcome.messages) message = with_places_resolved(message);
-        const bool is_bad = job.outcome.verdict == Verdict::fail || job.outcome.verdict == Verdict::crash ||
-                            job.outcome.verdict == Verdict::hang;
-        if (is_bad && !ended.talk.empty()) job.outcome.messages.push_back("the plugin wrote: " + ended.talk);
-        job.is_done = true;
+        job.is_spoilt = is_bad(job.outcome.verdict);
+        if (job.is_spoilt && !ended.talk.empty()) job.outcome.messages.push_back("the plugin wrote: " + ended.talk);
+        job.state = Job::State::done;
     }
 
     std::string repeat_of(const Job& job) const {
@@ -216,8 +218,6 @@ private:
     const Options& options_;
     std::vector<Subject> subjects_;
     std::vector<Job> jobs_;
-    std::vector<bool> is_started_;
-    std::set<std::size_t> is_spoilt_;  // skipped because of a failure
 };
 
 }  // namespace
@@ -231,10 +231,8 @@ std::vector<std::string> prerequisites_of(const Check& check) {
 }
 
 bool Report::is_well() const {
-    return std::none_of(results.begin(), results.end(), [](const Result& result) {
-        const Verdict verdict = result.outcome.verdict;
-        return verdict == Verdict::fail || verdict == Verdict::crash || verdict == Verdict::hang;
-    });
+    return !was_interrupted && std::none_of(results.begin(), results.end(),
+                                            [](const Result& result) { return is_bad(result.outcome.verdict); });
 }
 
 std::string selected_names(const Host& host, const Options& options) { return Run(host, options).names(); }
@@ -246,6 +244,7 @@ Report run_checks(const Host& host, const Options& options) {
     report.seed = options.seed;
     report.level = options.level;
     report.results = Run(host, options).go();
+    report.was_interrupted = options.stop != nullptr && *options.stop;
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }

@@ -1,6 +1,7 @@
 /// Runs checks on a library, each in a process of its own, and tells what came of them.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,12 +16,13 @@ struct Options {
     std::vector<std::string> only;   ///< these checks and what they rest on; empty: all of the level
     int level = 3;
     std::uint64_t seed = 1;
-    std::filesystem::path subjects;     ///< file of subjects, or empty
-    std::filesystem::path json, junit;  ///< files to write, `-` for standard output; empty: none
-    unsigned jobs = 0;                  ///< processes at once; 0: one a core
-    double time_limit = 20;             ///< s, of each check
-    bool is_quiet = false;              ///< tell what did not pass, and the sum, alone
-    std::vector<std::string> repeat;    ///< what a command that repeats a check has besides `--only NAME`
+    std::filesystem::path subjects;           ///< file of subjects, or empty
+    std::filesystem::path json, junit;        ///< files to write, `-` for standard output; empty: none
+    unsigned jobs = 0;                        ///< processes at once; 0: one a core
+    double time_limit = 20;                   ///< s of processor time, of each check
+    bool is_quiet = false;                    ///< tell what did not pass, and the sum, alone
+    std::vector<std::string> repeat;          ///< what a command that repeats a check has besides `--only NAME`
+    const std::atomic<bool>* stop = nullptr;  ///< once it is set, what is not done is skipped
 };
 
 /// One check of one plugin (or of the library: plugin "").
@@ -37,7 +39,8 @@ struct Report {
     int level = 3;
     std::vector<Result> results;
     double seconds = 0;
-    bool is_well() const;  ///< nothing failed, crashed or hung
+    bool was_interrupted = false;
+    bool is_well() const;  ///< all were tried, and nothing failed, crashed or hung
 };
 
 /// Throws Refused where nothing can be tried: no such file, no such check, no plugin of that kind.
