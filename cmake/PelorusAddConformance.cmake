@@ -11,9 +11,13 @@ if(DEFINED PROJECT_NAME) # not in ctest, which includes this file, too
     set(PELORUS_ADD_CONFORMANCE_FILE "${CMAKE_CURRENT_LIST_FILE}")
     function(pelorus_add_conformance TARGET)
         cmake_parse_arguments(PARSE_ARGV 1 arg "WHOLE" "SUBJECTS;LEVEL" "")
-        if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES OR NOT TARGET ${TARGET})
-            message(FATAL_ERROR "pelorus_add_conformance(${TARGET}): no such target, or not understood: "
-                                "${arg_UNPARSED_ARGUMENTS} ${arg_KEYWORDS_MISSING_VALUES}")
+        if(arg_UNPARSED_ARGUMENTS)
+            message(FATAL_ERROR "pelorus_add_conformance(${TARGET}): not understood: ${arg_UNPARSED_ARGUMENTS}")
+        elseif(arg_KEYWORDS_MISSING_VALUES)
+            message(FATAL_ERROR "pelorus_add_conformance(${TARGET}): no value for ${arg_KEYWORDS_MISSING_VALUES}")
+        elseif(NOT TARGET ${TARGET})
+            message(FATAL_ERROR "pelorus_add_conformance(${TARGET}): there is no such target; pelorus_add_plugin(NAME KIND kind ...) "
+                                "makes kind_NAME")
         endif()
         if(NOT arg_LEVEL)
             set(arg_LEVEL 3)

@@ -126,14 +126,15 @@ std::vector<std::string> CommandLine::values(const std::string& flag) const {
     return found == flags_.end() ? std::vector<std::string>() : found->second;
 }
 
-std::uint64_t CommandLine::number(const std::string& flag, std::uint64_t otherwise, std::uint64_t most) const {
+std::uint64_t CommandLine::number(const std::string& flag, std::uint64_t otherwise, std::uint64_t most,
+                                  std::uint64_t least) const {
     if (!has(flag)) return otherwise;
     const std::string text = value(flag);
     std::uint64_t number = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (problem != std::errc() || end != text.data() + text.size() || number > most) {
+    if (problem != std::errc() || end != text.data() + text.size() || number > most || number < least) {
         const bool is_any = most == std::numeric_limits<std::uint64_t>::max();
-        refuse(fmt::format("--{}: expected a whole number from 0 to {}, got '{}'", flag,
+        refuse(fmt::format("--{}: expected a whole number from {} to {}, got '{}'", flag, least,
                            is_any ? "2^64 - 1" : std::to_string(most), text));
     }
     return number;

@@ -34,9 +34,11 @@ Apart apart(const std::function<std::string()>& body) {
         _exit(0);
     });
     const ProcessPool::Ended ended = pool.wait();
-    if (ended.ran_out_of_time) return {"", "did not come back within " + std::to_string(time_limit) + " s"};
     if (ended.how == "exit code 0") return {ended.written, ""};
     const Outcome outcome = read_outcome(ended.written);
+    if (ended.ran_out_of_time)
+        return {"", "did not come back within " + std::to_string(time_limit) + " s" +
+                        (outcome.messages.empty() ? "" : "; " + outcome.messages.front())};
     return {"", outcome.messages.empty() ? "the process ended: " + ended.how : outcome.messages.front()};
 }
 

@@ -50,6 +50,8 @@ const char* signal_words(int signal) noexcept {
             return "SIGFPE (an arithmetic fault)";
         case SIGILL:
             return "SIGILL (an instruction that this processor does not have)";
+        case SIGXCPU:
+            return "it was still under way";
         case SIGABRT:
             return "SIGABRT (abort, an assertion, or an exception that nobody caught)";
         default:
@@ -92,7 +94,11 @@ void handle(int signal, siginfo_t* info, void* context) {
     std::string text = what;
     if (subject_title[0] != 0) text = std::string("with {") + subject_title + "}: " + text;
     if (!place.empty()) text += "; at " + place;
-    std::string json = std::string("{\"verdict\": \"") + (is_hit ? "fail" : "crash") + "\", \"messages\": [\"";
+    std::string json = std::string("{\"verdict\": \"") +
+                       (is_hit              ? "fail"
+                        : signal == SIGXCPU ? "hang"
+                                            : "crash") +
+                       "\", \"messages\": [\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') json += '\\';
         json += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
@@ -113,7 +119,7 @@ void install_fault_handler(int descriptor) {
     struct sigaction action {};
     action.sa_sigaction = &handle;
     action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
-    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) sigaction(signal, &action, nullptr);
 }
 
 void set_subject_of_fault(const char* title) noexcept { subject_title = title; }

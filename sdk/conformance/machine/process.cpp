@@ -172,7 +172,12 @@ ProcessPool::Ended ProcessPool::wait() {
 ProcessPool::Ended ProcessPool::finish(std::vector<Child>::iterator at, bool ran_out_of_time) {
     Child& child = *at;
     // While it is not waited for, its number is its own; with it goes what it started.
-    if (ran_out_of_time) kill(child.process, SIGKILL);
+    if (ran_out_of_time) {
+        kill(child.process, SIGXCPU);  // where it is, it may tell; see fault_handler.hpp
+        pollfd ended{child.alive, POLLIN, 0};
+        poll(&ended, 1, 1000);
+        kill(child.process, SIGKILL);
+    }
     if (!is_child) kill(-child.process, SIGKILL);
     int status = 0;
     while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
@@ -235,8 +240,10 @@ std::string with_places_resolved(const std::string& message) {
         const std::string library = mark.substr(0, plus), address = mark.substr(plus + 1);
         const std::string line = line_of(library, address);
         const std::string name = library.substr(library.rfind('/') + 1);
-        text += line.empty() ? name + "+" + address + " (addr2line knows no line: build with -g)"
-                             : line + " (" + name + "+" + address + ")";
+        if (line.empty())
+            text += name + "+" + address + " (addr2line knows no line: build with -g)";
+        else
+            text += line + " (" + name + "+" + address + (line.back() == '?' ? "; build with -g for the line)" : ")");
     }
 }
 

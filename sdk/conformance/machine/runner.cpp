@@ -185,10 +185,14 @@ private:
 
     void take(const ProcessPool::Ended& ended) {
         Job& job = jobs_[ended.job];
-        job.outcome = ended.ran_out_of_time ? Outcome() : read_outcome(ended.written);
+        job.outcome = read_outcome(ended.written);
         if (ended.ran_out_of_time) {
+            std::string told = fmt::format("did not come back within {} s", options_.time_limit);
+            if (job.outcome.verdict == Verdict::hang && !job.outcome.messages.empty())
+                told += "; " + job.outcome.messages.front();
+            job.outcome = Outcome();
             job.outcome.verdict = Verdict::hang;
-            job.outcome.messages.push_back(fmt::format("did not come back within {} s", options_.time_limit));
+            job.outcome.messages.push_back(told);
         } else if (job.outcome.verdict == Verdict::crash && job.outcome.messages.empty()) {
             job.outcome.messages.push_back("the process ended: " + ended.how);
         }

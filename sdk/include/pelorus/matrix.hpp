@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include <Eigen/Core>
@@ -12,6 +13,9 @@ namespace pelorus {
 
 template <int Rows, int Cols = Rows> using Matrix = Eigen::Matrix<double, Rows, Cols>;
 template <int Rows> using Vector = Eigen::Matrix<double, Rows, 1>;
+
+/// What arguments hold that a model has said it does not read: whoever reads them all the same finds no answer accepted.
+inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Packed views of memory that somebody else owns.
 inline plr_const_view const_view(const double* data, std::int64_t rows, std::int64_t cols,

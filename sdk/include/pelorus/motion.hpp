@@ -64,7 +64,7 @@ public:
 
     /// The posterior that a step starts from.
     struct Posterior {
-        State mean;                      ///< meaningless with PLR_MOTION_CONSTANT_NOISE
+        State mean;                      ///< not numbers with PLR_MOTION_CONSTANT_NOISE
         Transition covariance;           ///< "
         State predicted;                 ///< "
         const double* extent = nullptr;  ///< d x d, with PLR_MOTION_USES_EXTENT
@@ -171,7 +171,11 @@ private:
             expect(args->out, N, N, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
                 Posterior posterior;
-                if constexpr (!constant) {
+                if constexpr (constant) {  // and not what a call before left on the stack
+                    posterior.mean.setConstant(not_a_number);
+                    posterior.covariance.setConstant(not_a_number);
+                    posterior.predicted.setConstant(not_a_number);
+                } else {
                     posterior.mean = load<N, 1>(args->state, i);
                     posterior.covariance = load<N, N>(args->covariance, i);
                     posterior.predicted = load<N, 1>(args->predicted, i);

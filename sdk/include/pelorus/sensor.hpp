@@ -54,7 +54,7 @@ public:
 
     /// What noise may depend on.
     struct Query {
-        Cartesian cartesian;               ///< meaningless with PLR_SENSOR_CONSTANT_NOISE
+        Cartesian cartesian;               ///< not numbers with PLR_SENSOR_CONSTANT_NOISE
         const double* snr = nullptr;       ///< power ratio, or nullptr: nominal
         const double* waveform = nullptr;  ///< parameters in force, or nullptr: base waveform
     };
@@ -151,7 +151,10 @@ private:
             expect(args->out, M, M, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
                 Query query;
-                if constexpr (!constant) query.cartesian = load<C, 1>(args->cartesian, i);
+                if constexpr (constant)
+                    query.cartesian.setConstant(not_a_number);  // and not what a call before left on the stack
+                else
+                    query.cartesian = load<C, 1>(args->cartesian, i);
                 if (args->snr.data != nullptr) query.snr = args->snr.data + i * args->snr.item_stride;
                 if (args->waveform.data != nullptr)
                     query.waveform = args->waveform.data + i * args->waveform.item_stride;
