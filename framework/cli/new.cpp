@@ -91,7 +91,13 @@ Command new_command() {
         "Makes the folder NAME: a complete plugin project outside the Pelorus tree, with a small working model to "
         "change, a config that runs it and a README. It becomes NAME.so with the id org.example.KIND.NAME, which is "
         "yours to change.\n\nKinds: " +
-            all_kinds() + ".",
+            all_kinds() +
+            ".\n\nThe models to begin with: motion: straight with drag, in space; sensor: range and azimuth, in the "
+            "plane; estimator: an extended Kalman filter that forgets; extent: an ellipsoid from the scatter; "
+            "partitioner: chains of near measurements; waveform: effort shared between range and angle; trajectory: "
+            "a level circle; source: a target on a line; registration, fusion: scans with corrected stamps; "
+            "tracker: one track by the nearest measurement; scheduler: a look at the least certain track; analyzer: "
+            "measurements a scan; sink: a line a track and time.",
         {{"KIND", "NAME"},
          {{"dir", "DIR", "make the folder there instead of here"}, {"json", "", "what was made, as JSON"}},
          {}},

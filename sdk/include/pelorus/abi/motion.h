@@ -19,7 +19,7 @@
 enum {
   PLR_MOTION_TIME_INVARIANT = 1u << 16, /* F(a + b) = F(b) F(a) */
   PLR_MOTION_EXACT_NOISE = 1u << 17,    /* Q(a + b) = F(b) Q(a) F(b)' + Q(b) */
-  PLR_MOTION_LINEAR = 1u << 18,         /* propagate is F x, F a function of dt and inputs alone */
+  PLR_MOTION_LINEAR = 1u << 18,         /* propagate is F x (not F x + b), F a function of dt and inputs alone */
   PLR_MOTION_CONSTANT_NOISE = 1u << 19, /* Q is a function of dt and inputs alone */
   PLR_MOTION_BACKWARD = 1u << 20,       /* dt < 0 is answered (retrodiction, smoothing); else PLR_E_UNSUPPORTED */
   PLR_MOTION_USES_EXTENT = 1u << 21     /* noise needs args.extent */

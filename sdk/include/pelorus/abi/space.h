@@ -2,7 +2,7 @@
  *
  * Names are dotted: `position.x`, `velocity.y`, `acceleration.z`, `range`, `range_rate`, `azimuth`, `elevation`,
  * `zenith`. Units are SI (`m`, `m/s`, `rad`). Canonical order: positions, velocities, accelerations; measurements
- * range, [range rate,] azimuth, elevation or zenith. Azimuth runs from +x to +y, in (-pi, pi].
+ * range, [range rate,] azimuth, elevation or zenith; azimuth from +x to +y, in (-pi, pi]. velocity.x is the rate of position.x.
  * Two spaces are the same when names, units and order are. States of different models meet by component name.
  *
  * Element structs (here and in describe.h) begin with struct_size and may grow at the tail: a reader steps through an
