@@ -38,7 +38,8 @@ void Models::setup(const pelorus::Setup& setup, double gate_probability) {
     }
     if (std::none_of(sensors_.begin(), sensors_.end(), [](const SensorModel& s) { return s.locates(); }))
         throw pelorus::PartError("estimator",
-                                 "none of its sensors tells a position by a single measurement; no track can start");
+                                 "none of its sensors tells a position by a single measurement; no track can start. "
+                                 "A sensor tells one by PLR_SENSOR_CAN_INVERT and `invert`; or add another that does");
     caller_.setup(setup, static_cast<std::size_t>(scratch) + 4096);
     draws_ = (info.flags & PLR_FLAG_USES_KEYS) != 0;
     if (draws_) random_ = &setup.service<plr_random>();
