@@ -1,7 +1,10 @@
 // What every library promises: its file, and what loading it does. What its entry point answers: library_entry.cpp.
+#include <cxxabi.h>
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -11,6 +14,20 @@
 #include "machine/process_state.hpp"
 
 namespace pelorus::conformance {
+
+namespace {
+
+/// The name as the source has it, cut where templates make it long.
+std::string demangled(const std::string& name) {
+    constexpr std::size_t most = 60;
+    int status = 0;
+    const std::unique_ptr<char, decltype(&std::free)> source(
+        abi::__cxa_demangle(name.c_str(), nullptr, nullptr, &status), &std::free);
+    const std::string text = source != nullptr ? source.get() : name;
+    return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
+}  // namespace
 
 PELORUS_CHECK(
     library, "library-manifest-readable", 1,
@@ -50,13 +67,14 @@ PELORUS_CHECK(library, "library-exports-one-symbol", 1,
               {}) {
     std::vector<std::string> others = read_elf(bench.task().library).exported;
     others.erase(std::remove(others.begin(), others.end(), PLR_ENTRY_SYMBOL), others.end());
-    constexpr std::size_t shown = 10;
+    constexpr std::size_t shown = 2;
     if (others.empty()) return;
     const std::size_t count = others.size();
     if (count > shown) others.resize(shown);
+    for (std::string& name : others) name = demangled(name);
     FAIL(
-        fmt::format("it also exports {} {}: {}{}; compile with -fvisibility=hidden and link with a version script "
-                    "(`{{ global: plr_entry; local: *; }};`)",
+        fmt::format("it also exports {} {} ({}{}); build it with pelorus_add_plugin, or compile with "
+                    "-fvisibility=hidden and link with a version script (`{{ global: plr_entry; local: *; }};`)",
                     count, count == 1 ? "symbol" : "symbols", fmt::join(others, ", "), count > shown ? ", ..." : ""));
 }
 
