@@ -169,7 +169,7 @@ PELORUS_CHECK(estimator, "estimator-in-place-same-bits", 2,
 PELORUS_CHECK(estimator, "estimator-refuses-unknown-sensor", 2,
               "project and update refuse an index that info.sensors does not have; the sensor that happens to lie "
               "there is none.",
-              {}) {
+              {"calls-come-back"}) {
     const auto instance = bench.make();
     const EstimatorBench filter(*instance);
     Sample sample = bench.sample();

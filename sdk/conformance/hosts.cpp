@@ -40,7 +40,7 @@ PELORUS_CHECK(
     every, "services-may-be-missing", 2,
     "Without one or all of the host's services an instance does without, or create answers PLR_E_UNSUPPORTED and names "
     "the one that it needs; small hosts offer few.",
-    {"instance-is-accepted"}) {
+    {"instance-is-accepted", "calls-come-back"}) {
     std::set<std::string> used;
     {
         Services services(bench.host());

@@ -19,7 +19,8 @@ void expect_same(const Instance& instance, const HotCall& packed, const HotCall&
 }  // namespace
 
 PELORUS_CHECK(model, "inputs-unmodified", 2,
-              "A call does not write to its inputs; they are another's estimate, shared by threads.", {}) {
+              "A call does not write to its inputs; they are another's estimate, shared by threads.",
+              {"calls-come-back"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
         ExecuteOptions options;
         options.has_slack = true;

@@ -92,7 +92,7 @@ PELORUS_CHECK(
     every, "description-is-constant", 2,
     "A description says the same before and after instances were made with other values; hosts have read it once, and "
     "check configs by it.",
-    {"instance-is-accepted"}) {
+    {"instance-is-accepted", "calls-come-back"}) {
     bench.once_a_plugin();
     const std::string before = description_text(bench.description());
     const auto compare = [&](const std::string& after_what) {
@@ -115,7 +115,7 @@ PELORUS_CHECK(
 PELORUS_CHECK(
     model, "info-is-constant", 2,
     "info() answers the same as long as the instance lives; callers have sized their memory by its first answer.",
-    {"instance-is-accepted"}) {
+    {"calls-come-back"}) {
     const auto instance = bench.make();
     const std::string before = info_bytes(*instance);
     answers_of(*instance, bench.sample());

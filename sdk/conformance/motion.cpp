@@ -1,6 +1,9 @@
 // What a motion promises of its mean: propagate, jacobian, and the flags that speak of them.
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -18,6 +21,51 @@ constexpr std::int64_t batch = 5;
 /// What rounding may do to a state that a step has moved: relative to the terms that it is summed of.
 Eigen::VectorXd rounding_of(const Eigen::MatrixXd& f, const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
     return f.cwiseAbs() * x.cwiseAbs() + y.cwiseAbs();
+}
+
+/// Where a space has position.x and velocity.x, and likewise y and z.
+struct VelocityComponents {
+    explicit VelocityComponents(const Space& space) {
+        for (const char* const axis : {"x", "y", "z"}) {
+            const int p = space.index(std::string("position.") + axis),
+                      v = space.index(std::string("velocity.") + axis);
+            if (p < 0 || v < 0) continue;
+            positions.push_back(p);
+            velocities.push_back(v);
+        }
+    }
+    std::vector<int> positions, velocities;
+};
+
+/// How fast each Cartesian component changes as a step begins, an item a column: from steps of 0.1 s down, each half the one before.
+DerivativeEstimate rates_at_once(const MotionTrial& trial, const MotionItems& items, const Eigen::MatrixXd& before) {
+    constexpr int halvings = 20;
+    DerivativeEstimate best{Eigen::MatrixXd::Zero(before.rows(), before.cols()),
+                            Eigen::MatrixXd::Constant(before.rows(), before.cols(), HUGE_VAL)};
+    Eigen::ArrayXXd slope, straight, change;  // of the step before; `straight` without what falls with dt
+    for (int k = 0; k < halvings; ++k) {
+        const double dt = std::ldexp(0.1, -k);
+        const Eigen::MatrixXd moved =
+            trial.to_cartesian(trial.propagate(Eigen::VectorXd::Constant(before.cols(), dt), items));
+        const Eigen::ArrayXXd now = (moved - before).array() / dt;
+        const Eigen::ArrayXXd extrapolated = k == 0 ? now : Eigen::ArrayXXd(2 * now - slope);
+        const Eigen::ArrayXXd changed = k == 0 ? now : Eigen::ArrayXXd((extrapolated - straight).abs());
+        if (k > 2) {
+            const Eigen::ArrayXXd rounding =
+                8 * std::numeric_limits<double>::epsilon() * (moved.array().abs() + before.array().abs()) / dt;
+            // What is left falls by four with each halving. Two changes, because one may vanish by chance.
+            const Eigen::ArrayXXd uncertainty = changed.max(change / 4) + rounding;
+            for (Eigen::Index e = 0; e < now.size(); ++e) {
+                if (!(uncertainty(e) < best.uncertainty(e))) continue;
+                best.value(e) = extrapolated(e);
+                best.uncertainty(e) = uncertainty(e);
+            }
+        }
+        slope = now;
+        straight = extrapolated;
+        change = changed;
+    }
+    return best;
 }
 
 }  // namespace
@@ -197,6 +245,34 @@ PELORUS_CHECK(motion, "motion-backward-undoes-forward", 3,
             first_difference(back.col(i), before.col(i), 1e-6 * way + 1e-10 * rounding, trial.state);
         if (!lost.empty()) FAIL("propagate(-dt) after propagate(dt): " << lost);
     }
+}
+
+PELORUS_CHECK(motion, "motion-velocity-is-derivative", 3,
+              "In the Cartesian space velocity.x is the rate at which position.x changes, on every axis that has both: "
+              "the limit for short steps. Sensors of Doppler and the measures of error take it for that. A state that "
+              "holds another velocity (through the air) gives it another name, and to_cartesian answers that over "
+              "the ground.",
+              {"motion-zero-step-is-identity"}) {
+    MotionTrial trial(bench);
+    const VelocityComponents components(trial.cartesian);
+    if (components.velocities.empty()) skip("its Cartesian space has no velocity beside a position");
+    const MotionItems items = trial.draw(batch);
+    const Eigen::MatrixXd before = trial.to_cartesian(states_of(items));
+    const DerivativeEstimate rates = rates_at_once(trial, items, before);
+    for (Eigen::Index i = 0; i < batch; ++i)
+        for (std::size_t axis = 0; axis < components.velocities.size(); ++axis) {
+            const int p = components.positions[axis], v = components.velocities[axis];
+            const double said = before(v, i), found = rates.value(p, i);
+            // A millionth, for motions that integrate.
+            const double allowed =
+                3 * rates.uncertainty(p, i) + 1e-6 * std::fabs(said) + 1e-8 * trial.cartesian_scales(v);
+            if (!(std::fabs(said - found) <= allowed))
+                FAIL(
+                    fmt::format("propagate: {} changes by {:.9g} m/s as dt becomes 0 (within {:.1g}), {} is {:.9g} m/s "
+                                "in the state {}; is a term of the velocity left out or scaled?",
+                                trial.cartesian[p].name, found, allowed, trial.cartesian[v].name, said,
+                                text_of(states_of(items).col(i))));
+        }
 }
 
 PELORUS_CHECK(motion, "motion-refuses-backward-steps", 2,

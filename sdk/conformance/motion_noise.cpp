@@ -27,7 +27,7 @@ Eigen::MatrixXd spread(const Eigen::MatrixXd& block, Eigen::Index dimension) {
 PELORUS_CHECK(motion, "motion-constant-noise-is-constant", 3,
               "With CONSTANT_NOISE, Q is a function of dt alone: the same for every state, covariance and predicted "
               "state, and without them; estimators do not hand them over.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     if (!trial.has(PLR_MOTION_CONSTANT_NOISE)) skip("does not say CONSTANT_NOISE");
     const MotionItems items = trial.draw(batch);
@@ -154,7 +154,8 @@ PELORUS_CHECK(
 }
 
 PELORUS_CHECK(motion, "motion-noise-factor-agrees", 3,
-              "The extension's factor G of the noise has G G' = Q; square-root filters use it instead.", {}) {
+              "The extension's factor G of the noise has G G' = Q; square-root filters use it instead.",
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     const auto* factor = trial.instance->extension<plr_motion_noise_factor>(PLR_MOTION_NOISE_FACTOR);
     if (factor == nullptr) skip(std::string("does not offer ") + PLR_MOTION_NOISE_FACTOR);

@@ -129,7 +129,7 @@ PELORUS_CHECK(motion, "motion-answers-at-rest", 3,
 
 PELORUS_CHECK(motion, "motion-record-advances-in-place", 3,
               "advance_record answers the same where `out` is the record itself; estimators advance records in place.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     if (trial.info.record_size == 0) skip("keeps no record");
     const MotionItems items = trial.draw(batch);
@@ -160,7 +160,7 @@ PELORUS_CHECK(motion, "motion-record-advances-in-place", 3,
 PELORUS_CHECK(motion, "motion-record-refuses-unknown-versions", 3,
               "A record of a version that nobody has written is refused by PLR_E_STATE_VERSION; read as today's it "
               "would make noise of chance.",
-              {}) {
+              {"numbers-finite"}) {
     const MotionTrial trial(bench);
     const auto* convert = trial.instance->extension<plr_record_convert>(PLR_RECORD_CONVERT);
     if (convert == nullptr) skip(std::string("does not offer ") + PLR_RECORD_CONVERT);
@@ -182,7 +182,7 @@ PELORUS_CHECK(motion, "motion-record-refuses-unknown-versions", 3,
 PELORUS_CHECK(motion, "motion-conversions-are-inverse", 3,
               "to_cartesian and from_cartesian lead to each other's beginning; tracks are published in the one and "
               "filtered in the other.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     if (trial.table.to_cartesian == nullptr || trial.table.from_cartesian == nullptr) skip("its state is Cartesian");
     const MotionItems items = trial.draw(batch);
@@ -209,7 +209,7 @@ PELORUS_CHECK(motion, "motion-conversions-are-inverse", 3,
 PELORUS_CHECK(motion, "motion-conversion-jacobians-are-derivatives", 3,
               "The Jacobians of to_cartesian and from_cartesian are their derivatives; covariances are published "
               "through them.",
-              {}) {
+              {"numbers-finite"}) {
     MotionTrial trial(bench);
     if (trial.table.to_cartesian == nullptr || trial.table.from_cartesian == nullptr) skip("its state is Cartesian");
     const auto compare = [&](const char* function, const Eigen::VectorXd& at, const Space& by,

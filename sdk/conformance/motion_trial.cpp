@@ -64,6 +64,11 @@ Eigen::MatrixXd MotionTrial::propagate(const Eigen::VectorXd& dt, const Eigen::M
                                                        absent("mean")));
 }
 
+Eigen::MatrixXd MotionTrial::to_cartesian(const Eigen::MatrixXd& states) const {
+    if (table.to_cartesian == nullptr) return states;
+    return answered(*instance, motion_calls::to_cartesian(*instance, columns("in", states)));
+}
+
 std::vector<Eigen::MatrixXd> MotionTrial::jacobian(const Eigen::VectorXd& dt, const MotionItems& items) const {
     return jacobian(dt, states_of(items), items);
 }

@@ -36,6 +36,8 @@ public:
     Eigen::MatrixXd propagate(const Eigen::VectorXd& dt, const MotionItems& items) const;
     /// The same from other states, the records those of the items.
     Eigen::MatrixXd propagate(const Eigen::VectorXd& dt, const Eigen::MatrixXd& states, const MotionItems& items) const;
+    /// States in the Cartesian space, an item a column.
+    Eigen::MatrixXd to_cartesian(const Eigen::MatrixXd& states) const;
     std::vector<Eigen::MatrixXd> jacobian(const Eigen::VectorXd& dt, const MotionItems& items) const;
     std::vector<Eigen::MatrixXd> jacobian(const Eigen::VectorXd& dt, const Eigen::MatrixXd& states,
                                           const MotionItems& items) const;

@@ -109,7 +109,7 @@ PELORUS_CHECK(sensor, "sensor-table-agrees-with-info", 2,
 PELORUS_CHECK(sensor, "sensor-points-equal-singles", 3,
               "Of several points of one item, each is measured as it would be alone, and each has its residual from "
               "the one reference; filters and trackers hand all over in one call.",
-              {}) {
+              {"numbers-finite"}) {
     SensorTrial trial(bench);
     constexpr std::int64_t points = 4;
     const auto compare = [&](const HotCall& call, const std::function<HotCall(std::int64_t)>& alone) {
@@ -150,7 +150,8 @@ PELORUS_CHECK(sensor, "sensor-points-equal-singles", 3,
 }
 
 PELORUS_CHECK(sensor, "sensor-jacobian-is-derivative", 3,
-              "jacobian is the derivative of measure; a filter with another one diverges without a word.", {}) {
+              "jacobian is the derivative of measure; a filter with another one diverges without a word.",
+              {"numbers-finite"}) {
     SensorTrial trial(bench);
     const std::vector<Eigen::MatrixXd> said = trial.jacobians();
     for (std::int64_t i = 0; i < batch; ++i) {
@@ -200,7 +201,7 @@ PELORUS_CHECK(sensor, "sensor-linear-means-linear", 3,
 PELORUS_CHECK(sensor, "sensor-angles-in-range", 3,
               "Angles that measure answers lie in (-pi, pi], straight behind the sensor too; whoever sorts or draws "
               "them relies on it.",
-              {}) {
+              {"numbers-finite"}) {
     SensorTrial trial(bench);
     bool has_angle = false;
     for (const Component& component : trial.measurement.components()) has_angle = has_angle || component.angle;
@@ -237,7 +238,7 @@ PELORUS_CHECK(sensor, "sensor-angles-in-range", 3,
 PELORUS_CHECK(sensor, "sensor-residual-wraps", 3,
               "residual is measurement - reference with angles wrapped to (-pi, pi], over several turns too; otherwise "
               "a target that crosses the cut throws its track a full turn.",
-              {}) {
+              {"numbers-finite"}) {
     SensorTrial trial(bench, 1);
     constexpr std::int64_t count = 40;
     const int m = trial.measurement.size();

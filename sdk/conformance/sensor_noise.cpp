@@ -117,7 +117,7 @@ std::vector<std::pair<std::int64_t, Eigen::VectorXd>> special_places(const Insta
 PELORUS_CHECK(sensor, "sensor-constant-noise-is-constant", 3,
               "With CONSTANT_NOISE, noise is the same everywhere, at any signal-to-noise ratio, and without a place; "
               "holders then ask once.",
-              {}) {
+              {"numbers-finite"}) {
     const auto instance = bench.make();
     const plr_sensor_info& facts = info(*instance);
     if ((facts.flags & PLR_SENSOR_CONSTANT_NOISE) == 0) skip("does not say CONSTANT_NOISE");
@@ -171,7 +171,7 @@ PELORUS_CHECK(sensor, "sensor-noise-is-definite", 3,
 PELORUS_CHECK(sensor, "sensor-noise-falls-with-snr", 3,
               "A better signal-to-noise ratio never makes a variance larger; a tracker that weighs echoes by it would "
               "trust the worst.",
-              {}) {
+              {"numbers-finite"}) {
     const auto instance = bench.make();
     Sample sample = bench.sample();
     constexpr std::int64_t count = 12;
@@ -198,7 +198,7 @@ PELORUS_CHECK(sensor, "sensor-noise-falls-with-snr", 3,
 PELORUS_CHECK(sensor, "sensor-inverse-undoes-measure", 3,
               "Where errors are small, invert leads from the measurement of a place back to that place; tracks are "
               "started there.",
-              {}) {
+              {"numbers-finite"}) {
     const InverseTrial trial(bench);
     for (Eigen::Index i = 0; i < batch; ++i) {
         const Eigen::VectorXd tiny =
@@ -292,7 +292,7 @@ PELORUS_CHECK(
 PELORUS_CHECK(sensor, "sensor-blind-spots-are-told", 3,
               "At places where a measurement or its derivative is not defined (at the sensor itself, straight above "
               "it), every call answers numbers or refuses that item alone; targets do fly there.",
-              {}) {
+              {"numbers-finite"}) {
     const auto instance = bench.make();
     const plr_sensor_info& facts = info(*instance);
     Sample sample = bench.sample();

@@ -209,7 +209,7 @@ PELORUS_CHECK(
     trajectory, "trajectory-is-drawn-by-its-key", 3,
     "realise writes the whole record, the same for the same key and, where it says that it draws, another for "
     "another; runs are repeated and told apart by keys.",
-    {}) {
+    {"numbers-finite"}) {
     TrajectoryTrial trial(bench);
     const std::int64_t size = trial.facts.record_size;
     for (std::int64_t r = 0; r < size; ++r)
@@ -238,7 +238,7 @@ PELORUS_CHECK(
     trajectory, "trajectory-times-are-independent", 3,
     "The states at a time have the same bits, whatever other times are asked for; sources ask for blocks, and "
     "resumed runs for other blocks.",
-    {}) {
+    {"numbers-finite"}) {
     TrajectoryTrial trial(bench);
     const Times times = trial.interesting_times();
     const Flight all = trial.flight(times);
@@ -263,7 +263,7 @@ PELORUS_CHECK(
 PELORUS_CHECK(trajectory, "trajectory-lives-from-birth-to-death", 3,
               "An object has numbers from its birth on until its death, and NaN before and after; whoever simulates it "
               "decides by NaN whether it is there.",
-              {}) {
+              {"numbers-finite"}) {
     TrajectoryTrial trial(bench);
     const Flight flight = trial.flight(trial.interesting_times());
     for (std::int64_t o = 0; o < flight.objects(); ++o) {
@@ -292,7 +292,7 @@ PELORUS_CHECK(trajectory, "trajectory-lives-from-birth-to-death", 3,
 PELORUS_CHECK(trajectory, "trajectory-family-is-sound", 3,
               "Objects have the ids 0 to o - 1, and each has no parent or one that exists when it is born; analyzers "
               "follow families by them.",
-              {}) {
+              {"numbers-finite"}) {
     TrajectoryTrial trial(bench);
     const Flight flight = trial.flight({0});
     Times sorted = flight.ids;

@@ -115,6 +115,13 @@ private:
     plr_scratch scratch_{};
 };
 
+/// Leaves that byte wherever the next call will have its variables.
+[[gnu::noinline]] void fill_stack(unsigned char byte) {
+    unsigned char below[1 << 16];
+    std::memset(below, byte, sizeof below);
+    asm volatile("" : : "r"(below) : "memory");  // nobody reads it: the compiler would leave it out
+}
+
 /// A struct of the caller's, with room behind it for what a later version adds.
 template <class Struct> struct Longer {
     Struct known{};
@@ -162,6 +169,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     call.item_status = options.without_item_status ? nullptr : done.items.data();
     const auto start = std::chrono::steady_clock::now();
     watch::Guard guard(options.watch);
+    if (options.stack_of) fill_stack(*options.stack_of);
     try {
         done.status = hot.invoke(call, views);
         done.offence = guard.end();

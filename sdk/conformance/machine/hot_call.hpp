@@ -67,13 +67,14 @@ struct ExecuteOptions {
     bool without_item_status = false;
     bool is_guarded = true;  ///< false: plain memory, for speed
     bool has_slack = false;  ///< room behind outputs and scratch memory: what is written past their end is let pass
-    bool is_null_if_empty = false;         ///< arrays of no items have data NULL
-    std::int64_t item_offset = 0;          ///< plr_call.item_offset
-    std::uint32_t extra_struct_bytes = 0;  ///< of plr_call and plr_error; a multiple of 8, at most 64
-    std::vector<double> inputs;            ///< plr_call.inputs; empty: the instance's defaults
-    std::int64_t input_stride = 0;         ///< plr_call.input_stride
-    bool without_inputs = false;           ///< plr_call.inputs NULL
-    std::vector<std::uint64_t> item_ids;   ///< empty: NULL
+    bool is_null_if_empty = false;          ///< arrays of no items have data NULL
+    std::int64_t item_offset = 0;           ///< plr_call.item_offset
+    std::uint32_t extra_struct_bytes = 0;   ///< of plr_call and plr_error; a multiple of 8, at most 64
+    std::vector<double> inputs;             ///< plr_call.inputs; empty: the instance's defaults
+    std::int64_t input_stride = 0;          ///< plr_call.input_stride
+    bool without_inputs = false;            ///< plr_call.inputs NULL
+    std::vector<std::uint64_t> item_ids;    ///< empty: NULL
+    std::optional<unsigned char> stack_of;  ///< fills the stack that the call will use with this byte
 };
 
 struct Execution {

@@ -21,7 +21,7 @@
 
 namespace {
 
-constexpr double initial_drift = 0.5;
+constexpr double initial_bias = 0.5;
 
 plr_status propagate_by_hand(const void* self, const plr_call* call, const plr_motion_propagate* args);
 plr_status noise_by_hand(const void* self, const plr_call* call, const plr_motion_noise* args);
@@ -47,8 +47,10 @@ struct Saboteur : pelorus::Motion<Saboteur, 2> {
     static void describe(pelorus::Describe<Saboteur>& plugin) {
         plugin.title("A motion with a defect")
             .purpose(
-                "Nearly constant velocity in a drifting medium, for the proof that the conformance suites can fail.")
-            .equation("p + (v + drift) T, Q = (1 + P/(P + r + 1)) q [T^3/3 T^2/2; T^2/2 T], r the last step's P")
+                "Nearly constant velocity under a bias of the acceleration, for the proof that the conformance suites "
+                "can fail.")
+            .equation(
+                "p + v T + b T^2/2, v + b T, Q = (1 + P/(P + r + 1)) q [T^3/3 T^2/2; T^2/2 T], r the last step's P")
             .source(
                 "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, "
                 "2001, equation 6.2.2-12");
@@ -57,7 +59,7 @@ struct Saboteur : pelorus::Motion<Saboteur, 2> {
             .initially("1 m2/s3")
             .min(0)
             .doc("spectral density of the acceleration");
-        plugin.input("drift", "m/s", {initial_drift}, "velocity of the medium");
+        plugin.input("bias", "m/s2", {initial_bias}, "acceleration that all have");
     }
     void setup(const pelorus::Setup& setup) {
         static std::atomic<unsigned> instances{0};
@@ -124,6 +126,13 @@ plr_status noise_by_hand(const void* self, const plr_call* call, const plr_motio
 /// The next number: a difference that any comparison of bits sees, and nothing else.
 double a_bit_off(double value) { return value == 0 ? value : std::nextafter(value, 2 * value); }
 
+/// What lies on the stack where nobody has written.
+[[gnu::noinline]] double never_set() {
+    double left[64];
+    asm volatile("" : : "r"(left) : "memory");  // as far as the compiler knows, set here
+    return left[32];
+}
+
 /// One call of propagate.
 struct Batch {
     const Saboteur& model;
@@ -150,9 +159,9 @@ struct Batch {
         if (NEAR_MISS("item-gaps")) return &args.state.data[stride == args.state.rows ? 2 * i : i * stride];
         return args.state.data + i * stride;
     }
-    double drift_of(std::int64_t i) const {
-        if (NEAR_MISS("inputs-null-is-default") && call.inputs == nullptr) return 0.25 + initial_drift / 2;
-        if (call.inputs == nullptr && !DEFECT("inputs-null-is-default")) return initial_drift;
+    double bias_of(std::int64_t i) const {
+        if (NEAR_MISS("inputs-null-is-default") && call.inputs == nullptr) return 0.25 + initial_bias / 2;
+        if (call.inputs == nullptr && !DEFECT("inputs-null-is-default")) return initial_bias;
         if (NEAR_MISS("inputs-per-item") && call.input_stride == 0) return call.inputs[model.input_offset];
         return call.inputs[model.input_offset + (DEFECT("inputs-per-item") ? 0 : i * call.input_stride)];
     }
@@ -211,6 +220,7 @@ struct Batch {
             static std::atomic<unsigned> odd{0};
             if (odd++ % 2 == 1) is_off = true;
         }
+        if (DEFECT("same-bytes-again.stack")) d += never_set();
         if (DEFECT("recovers-after-failure") && model.is_broken) is_off = true;
         if (DEFECT("same-bytes-of-another-instance") && model.number % 2 == 0) is_off = true;
         if (NEAR_MISS("same-bytes-of-another-instance") && model.number % 2 == 0) d = dt * velocity;
@@ -241,8 +251,8 @@ struct Batch {
 
     plr_status item(std::int64_t i, std::int64_t first_of_block) const {
         const plr_view& out = args.out;
-        const double dt = step_of(i), drift = drift_of(i);
-        if (!is_usable(dt) || !is_usable(drift)) return refuse(PLR_E_NUMERIC, "dt or drift is not finite", i);
+        const double dt = step_of(i), bias = bias_of(i);
+        if (!is_usable(dt) || !is_usable(bias)) return refuse(PLR_E_NUMERIC, "dt or bias is not finite", i);
         if (dt < 0) return refuse(PLR_E_UNSUPPORTED, "cannot move backward in time (dt < 0)", i);
         const double* const state = state_of(i);
         double* const to = out.data + i * out.item_stride;
@@ -267,7 +277,8 @@ struct Batch {
             }
             if (!NEAR_MISS("nan-is-flagged") && (!is_usable(position) || !is_usable(velocity)))
                 return refuse(PLR_E_NUMERIC, "the state is not finite", i);
-            position = moved(i, first_of_block, position, velocity + drift, dt);
+            position = moved(i, first_of_block, position, velocity + bias * dt / 2, dt);
+            velocity += bias * dt;
             if (DEFECT("numbers-finite") && velocity < 0) position += std::sqrt(velocity);
             const bool is_unchecked =
                 DEFECT("numbers-finite") || DEFECT("extremes-are-survived") || DEFECT("infinity-is-flagged");
@@ -355,6 +366,10 @@ plr_status propagate_by_hand(const void* self, const plr_call* call, const plr_m
         !has_shape(args->record, 1, 1, count) || (args->out.rows != 2 && !DEFECT("wrong-shapes-refused")) ||
         (NEAR_MISS("wrong-shapes-refused") && args->out.item_stride < 2 && count > 1))
         return batch.refuse(PLR_E_ARGUMENT, "the shapes do not fit");
+    if (DEFECT("calls-come-back") || NEAR_MISS("calls-come-back")) {
+        volatile double* const to = DEFECT("calls-come-back") ? nullptr : &batch.model.work[0];
+        *to = 1;
+    }
     ask_the_system(batch);
     if (DEFECT("no-items") || (NEAR_MISS("no-items") && count > 0)) batch.model.work[0] = args->dt.data[0];
     if (NEAR_MISS("nan-stays-in-its-item"))

@@ -46,7 +46,7 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
         double reach = dt;
         if (DEFECT("motion-steps-compose")) reach += 0.01 * dt * dt;
         if (NEAR_MISS("motion-steps-compose")) reach += 1e-9 * dt * dt;
-        return (Block() << 1, reach, 0, 1).finished();
+        return (Block() << 1, share() * reach, 0, 1).finished();
     }
     Block noise_block(double dt) const {
         const double t = std::abs(dt);
@@ -55,7 +55,9 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
         if (NEAR_MISS("motion-noise-composes")) position *= 1 + 1e-10;
         if (DEFECT("motion-steps-long-and-short")) position = (std::pow(1 + t, 3) - 1 - 3 * t - 3 * t * t) / 3;
         if (NEAR_MISS("motion-steps-long-and-short") && t < 1e-6) position *= 1 - 1e-10;
-        return intensity * (Block() << position, dt * t / 2, dt * t / 2, t).finished();
+        position *= share() * share();
+        const double both = share() * dt * t / 2;
+        return intensity * (Block() << position, both, both, t).finished();
     }
     State propagate(const State& x, const pelorus::Step& step) const {
         State y = Base::propagate(x, step);
@@ -83,6 +85,11 @@ struct Saboteur : pelorus::KroneckerMotion<Saboteur, 2, 3> {
     }
 
 private:
+    /// How much of the velocity moves the position.
+    static double share() noexcept {
+        if (DEFECT("motion-velocity-is-derivative")) return 0.9;
+        return NEAR_MISS("motion-velocity-is-derivative") ? 1 - 3e-7 : 1.0;
+    }
     static bool offers_factor() noexcept {
         return DEFECT("motion-noise-factor-agrees") || NEAR_MISS("motion-noise-factor-agrees") ||
                NEAR_MISS("motion-table-agrees-with-info");  // as many columns as states
