@@ -95,7 +95,7 @@ private:
 class ScratchMemory {
 public:
     ScratchMemory(std::uint64_t bytes, const std::string& function, const ExecuteOptions& options) {
-        const std::uint64_t rounded = (bytes + 63) / 64 * 64;
+        const std::uint64_t rounded = (bytes + 63) / 64 * 64;  // so that its beginning is aligned; the size is not
         const std::size_t doubles = rounded / sizeof(double) + (options.has_slack ? at(slack) : 0);
         if (options.is_guarded) {
             guarded_.emplace(doubles, ZoneName{function, "scratch memory"});
@@ -105,11 +105,27 @@ public:
             const auto address = reinterpret_cast<std::uintptr_t>(plain_.data());
             scratch_.data = plain_.data() + (64 - address % 64) % 64;
         }
-        scratch_.size = options.has_slack ? doubles * sizeof(double) : rounded;
+        scratch_.size = options.has_slack ? doubles * sizeof(double) : bytes;
+        has_rest_ = options.is_guarded && !options.has_slack;
+        rounded_ = rounded;
+        for (std::uint64_t i = bytes; has_rest_ && i < rounded; ++i) scratch_.data[i] = rest_mark;
     }
     plr_scratch* get() noexcept { return &scratch_; }
 
+    /// What the call wrote between the end and the guard page.
+    void collect(std::vector<std::string>& stray) const {
+        if (!has_rest_) return;
+        for (std::uint64_t i = rounded_; i > scratch_.size; --i)
+            if (scratch_.data[i - 1] != rest_mark) {
+                stray.push_back("scratch memory: written " + std::to_string(i - scratch_.size) + " bytes past its end");
+                return;
+            }
+    }
+
 private:
+    static constexpr unsigned char rest_mark = 0xA5;
+    bool has_rest_ = false;
+    std::uint64_t rounded_ = 0;
     std::optional<GuardedMemory> guarded_;
     std::vector<unsigned char> plain_;
     plr_scratch scratch_{};
@@ -181,6 +197,7 @@ Execution execute(const Instance& instance, const HotCall& hot, const ExecuteOpt
     done.error = error.known;
     done.scratch_left_used = scratch.get()->used;
     for (const Placed& placed : out) done.out.push_back(placed.collect(done.stray));
+    scratch.collect(done.stray);
     return done;
 }
 
