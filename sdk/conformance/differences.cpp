@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "machine/check.hpp"
+
 namespace pelorus::conformance {
 
 namespace {
@@ -70,7 +72,7 @@ DerivativeEstimate Differences::estimate(const Eigen::MatrixXd& values, const Sp
 std::string disagreement(const Eigen::MatrixXd& jacobian, const DerivativeEstimate& differences, const Space& of,
                          const Space& by, const Eigen::VectorXd& scales_of, const Eigen::VectorXd& scales_by) {
     double worst = 1;
-    std::string text;
+    std::string text, unknown;
     const auto tolerance = [&](Eigen::Index r, Eigen::Index c) {
         return 3 * differences.uncertainty(r, c) + 1e-6 * std::fabs(differences.value(r, c)) +
                1e-8 * scales_of(r) / scales_by(c);
@@ -78,6 +80,13 @@ std::string disagreement(const Eigen::MatrixXd& jacobian, const DerivativeEstima
     for (Eigen::Index r = 0; r < jacobian.rows(); ++r)
         for (Eigen::Index c = 0; c < jacobian.cols(); ++c) {
             const double said = jacobian(r, c), found = differences.value(r, c), allowed = tolerance(r, c);
+            if (!std::isfinite(said))
+                return fmt::format("element ({}, {}) is {}", of[static_cast<int>(r)].name, by[static_cast<int>(c)].name,
+                                   said);
+            if (!std::isfinite(allowed)) {
+                unknown = fmt::format("element ({}, {})", of[static_cast<int>(r)].name, by[static_cast<int>(c)].name);
+                continue;
+            }
             const double excess = std::fabs(said - found) / allowed;
             if (!(excess > worst)) continue;
             worst = excess;
@@ -88,6 +97,8 @@ std::string disagreement(const Eigen::MatrixXd& jacobian, const DerivativeEstima
                                of[static_cast<int>(r)].name, by[static_cast<int>(c)].name, said, found, allowed,
                                guess(said, found, allowed, is_mirrored));
         }
+    if (!unknown.empty())
+        note(unknown + " of a Jacobian was compared with nothing: the function answers at too few places around one");
     return text;
 }
 
