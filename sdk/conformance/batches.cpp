@@ -97,6 +97,9 @@ PELORUS_CHECK(model, "inputs-per-item", 2,
             together.inputs.insert(together.inputs.end(), own.begin(), own.end());
         }
         const Execution whole = execute(instance, call, together);
+        if (whole.status != PLR_OK && whole.status != PLR_ITEMS_FAILED)
+            FAIL(call.function << ", with inputs of its own for each item, answered " << whole.told()
+                               << "; expected that it fails for no item but those whose inputs it cannot take");
         for (std::int64_t i = 0; i < call.count; ++i) {
             const HotCall single = call.of_items({i});
             ExecuteOptions options;

@@ -267,6 +267,20 @@ std::vector<HotCall> all_calls(const Instance& instance, Sample sample, std::int
         calls.update(scan, started.record, vectors("innovation", 5.0), small("innovation_covariance", calls.d, 8.0),
                      after, small("kinematics_covariance", calls.c, 2.0)),
         calls.shape(started.record), calls.gate(scan, started.record, position, small("covariance", calls.d, 2.0))};
+    PointsOfScan weighted = scan;
+    weighted.weights = input("weights", 1, 1, scan.points.offsets.back(),
+                             [&](double* out, std::int64_t) { *out = sample.uniform(0.1, 1.0); });
+    weighted.weights.offsets = scan.points.offsets;
+    for (std::size_t i = 0; i + 1 < scan.points.offsets.size(); ++i) {
+        double* const first = weighted.weights.values.data() + scan.points.offsets[i];
+        Eigen::Map<Eigen::VectorXd> own(first, scan.points.offsets[i + 1] - scan.points.offsets[i]);
+        own /= own.sum();
+    }
+    HotCall update = all[2];
+    for (Argument& argument : update.in)
+        if (argument.name == "weights") argument = weighted.weights;
+    update.function = "update (weighted points)";
+    all.push_back(update);
     if (calls.is_joint()) {
         all.push_back(calls.summary(started.record));
     } else {
