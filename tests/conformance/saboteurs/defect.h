@@ -1,7 +1,6 @@
 // A saboteur is a good plugin with one defect. Each source here is compiled once; each defect that it names becomes a library of its
-// own (and each near-miss), by a constant that is linked in. The suites must catch DEFECT("name") by the check of that name, and
-// let NEAR_MISS("name") pass: the same code, as close to the law's limit as is still lawful. DEFECT("name.variant") is another
-// defect that the same check must catch.
+// own (and each near-miss), by a constant that is linked in. The suites must catch DEFECT("name") by the check of that name, each
+// DEFECT("name.variant") as well, and let NEAR_MISS("name") pass: the same code, as close to the law's limit as is still lawful.
 #ifndef PELORUS_SABOTEUR_DEFECT_H
 #define PELORUS_SABOTEUR_DEFECT_H
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
@@ -14,10 +15,15 @@
 
 #include <pelorus/pelorus.hpp>
 
+#include <fcntl.h>
 #include <sched.h>
+#include <threads.h>
 #include <unistd.h>
 
 #include "defect.h"
+
+/// What fprintf is called where _FORTIFY_SOURCE is defined.
+extern "C" int __fprintf_chk(FILE* file, int flag, const char* format, ...);
 
 namespace {
 
@@ -31,7 +37,7 @@ struct Saboteur : pelorus::Motion<Saboteur, 2> {
     using Base = pelorus::Motion<Saboteur, 2>;
     static constexpr std::uint32_t flags = PLR_FLAG_ANY_STRIDE;
     static constexpr int record_size = 1;
-    static constexpr std::uint64_t scratch_needed = 64;
+    static constexpr std::uint64_t scratch_needed = 40;  // no multiple of what it is aligned to
 
     double intensity = 1;
     const plr_parallel* parallel = nullptr;
@@ -43,6 +49,7 @@ struct Saboteur : pelorus::Motion<Saboteur, 2> {
     mutable std::atomic<unsigned> calls{0};
     mutable std::atomic<bool> is_broken{false};
     mutable std::mutex mutex;
+    mutable std::timed_mutex timed_mutex;
 
     static void describe(pelorus::Describe<Saboteur>& plugin) {
         plugin.title("A motion with a defect")
@@ -348,6 +355,18 @@ void ask_the_system(const Batch& batch) {
         batch.model.work[0] = static_cast<double>(now.time_since_epoch().count());
     }
     if (NEAR_MISS("hot-calls-read-no-clock")) batch.model.work[0] = static_cast<double>(batch.call.time) * 1e-9;
+    if (DEFECT("hot-calls-take-no-locks.timed")) {
+        const std::unique_lock<std::timed_mutex> lock(batch.model.timed_mutex, std::chrono::milliseconds(1));
+    }
+    if (DEFECT("hot-calls-take-no-locks.sleep")) sleep(0);
+    if (DEFECT("hot-calls-take-no-locks.c11")) {
+        const timespec moment{0, 1};
+        thrd_sleep(&moment, nullptr);
+    }
+    if (DEFECT("hot-calls-draw-no-chance.lrand48")) batch.model.work[0] = static_cast<double>(lrand48());
+    if (DEFECT("hot-calls-touch-no-files.stream")) batch.model.work[0] = std::ifstream("no such file").is_open();
+    if (DEFECT("hot-calls-touch-no-files.openat")) batch.model.work[0] = openat(AT_FDCWD, "no such file", O_RDONLY);
+    if (DEFECT("hot-calls-touch-no-files.fortified")) __fprintf_chk(stderr, 1, "%s", "");
     if (DEFECT("hot-calls-draw-no-chance")) batch.model.work[0] = std::rand();
     if (NEAR_MISS("hot-calls-draw-no-chance") && batch.call.keys != nullptr && batch.args.out.count > 0)
         batch.model.work[0] = static_cast<double>(batch.call.keys[0].word[0] * 6364136223846793005u >> 11);
@@ -386,10 +405,11 @@ plr_status propagate_by_hand(const void* self, const plr_call* call, const plr_m
                 return batch.refuse(PLR_E_NUMERIC, "a state is not finite");
     // Room for a block's work.
     plr_scratch& scratch = *call->scratch;
-    const std::uint64_t before = scratch.used, wanted = DEFECT("calls-succeed") ? 128 : Saboteur::scratch_needed;
+    const std::uint64_t before = scratch.used, wanted = DEFECT("calls-succeed") ? 64 : Saboteur::scratch_needed;
     if (scratch.size - scratch.used < wanted) return batch.refuse(PLR_E_SCRATCH, "too little scratch memory");
     scratch.used += wanted;
     if (NEAR_MISS("calls-succeed")) std::memset(scratch.data + before, 0, wanted);
+    if (DEFECT("writes-only-its-outputs.scratch")) std::memset(scratch.data + before, 0, wanted + 8);
     if (NEAR_MISS("scratch-handed-back")) batch.model.work[0] = static_cast<double>(scratch.size - scratch.used);
     const bool is_parallel = batch.model.parallel != nullptr && call->item_status != nullptr;
     const plr_status status = is_parallel ? batch.in_blocks() : batch.items(0, count);

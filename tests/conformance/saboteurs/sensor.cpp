@@ -65,6 +65,7 @@ struct Saboteur : pelorus::Sensor<Saboteur, 2, 2> {
         Jacobian h;
         h << x(0) / range, x(1) / range, -x(1) / square, x(0) / square;
         if (DEFECT("sensor-jacobian-is-derivative")) h.row(1) = -h.row(1);
+        if (DEFECT("sensor-jacobian-is-derivative.nan")) h(1, 0) = std::numeric_limits<double>::quiet_NaN();
         if (NEAR_MISS("sensor-jacobian-is-derivative")) h.row(1) *= 1 + 1e-7;
         return h;
     }
