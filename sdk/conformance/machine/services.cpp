@@ -12,20 +12,10 @@ Services::~Services() = default;
 
 const plr_host* Services::host() {
     // Made anew each time: what is withheld or grown may have changed since.
-    log_ = {sizeof log_, PLR_LOG_TRACE, this, [](void* self, std::int32_t, const char* text) {
-                const watch::HostWork ours;
-                auto& services = *static_cast<Services*>(self);
-                const std::lock_guard<std::mutex> lock(services.mutex_);
-                services.log.emplace_back(text);
-            }};
+    // Lines and counts are not kept: the memory would be taken for the plugin's, by the checks that look what it leaves behind.
+    log_ = {sizeof log_, PLR_LOG_TRACE, this, [](void*, std::int32_t, const char*) {}};
     diagnostics_ = {static_cast<std::uint32_t>(sizeof diagnostics_) + extra_struct_bytes, 0, this,
-                    [](void* self, const char* name, std::int64_t by) {
-                        const watch::HostWork ours;
-                        auto& services = *static_cast<Services*>(self);
-                        const std::lock_guard<std::mutex> lock(services.mutex_);
-                        services.counters[name] += by;
-                    },
-                    [](void*, const char*, const char*, double) {}};
+                    [](void*, const char*, std::int64_t) {}, [](void*, const char*, const char*, double) {}};
     publish_ = {static_cast<std::uint32_t>(sizeof publish_) + extra_struct_bytes, 0, this, &publish};
     output_ = {static_cast<std::uint32_t>(sizeof output_) + extra_struct_bytes, 0, this, [](void* self) -> const char* {
                    const auto& folder = static_cast<Services*>(self)->output_folder;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -35,9 +34,7 @@ public:
 
     std::vector<PublishedMessage> published;
     std::vector<std::string> refused_messages;  ///< why publish refused, one line each
-    std::vector<std::string> log;
-    std::map<std::string, std::int64_t> counters;
-    std::set<std::string> asked_for;  ///< ids that were asked for
+    std::set<std::string> asked_for;            ///< ids that were asked for
 
     const plr_host* host();
     const plr_log* log_service() const noexcept { return &log_; }

@@ -81,7 +81,6 @@ template <class Body> Answer StagePlayer::call(const char* function, std::int64_
         answer.told = conformance::told(answer.status, error);
     }
     if (answer.status != PLR_OK || !options_.keeps_published) services_.published.resize(before);
-    if (!options_.keeps_published) services_.log.clear();
     return answer;
 }
 
