@@ -80,7 +80,7 @@ private:
                                                                       : 3);
     }
     static bool has_ended(const Track& track) {
-        const int most = NEAR_MISS("tracker-tells-the-end") ? 12 : 5;
+        const int most = NEAR_MISS("tracker-tells-the-end") ? 60 : NEAR_MISS("tracker-ids-are-never-reused") ? 25 : 5;
         return track.misses >= (is_confirmed(track) ? most : 1);
     }
     static Axis covariance_of(const Track& track) { return Eigen::Map<const Axis>(track.covariance.data()); }
