@@ -104,12 +104,16 @@ void EstimatorBench::wants_linear_motion() const {
     if ((info.flags & PLR_ESTIMATOR_ASSIGNABLE) == 0) skip("the filter is not one of two moments");
 }
 
-void EstimatorBench::wants_linear_sensor(std::int32_t sensor) const {
-    if ((sensor_info(sensor).flags & PLR_SENSOR_LINEAR) == 0) skip("the sensor is not linear");
+std::vector<std::int32_t> EstimatorBench::linear_sensors() const {
+    std::vector<std::int32_t> linear;
+    for (std::int32_t sensor = 0; sensor < static_cast<std::int32_t>(info.sensor_count); ++sensor)
+        if ((sensor_info(sensor).flags & PLR_SENSOR_LINEAR) != 0) linear.push_back(sensor);
+    if (linear.empty()) skip("no sensor is linear");
     if (motion_ == nullptr) skip("has several motions, or nested estimators");
     if (reinterpret_cast<const plr_motion*>(motion_->instance.table)->to_cartesian != nullptr)
         skip("the state is not Cartesian");
     if ((info.flags & PLR_ESTIMATOR_ASSIGNABLE) == 0) skip("the filter is not one of two moments");
+    return linear;
 }
 
 EstimatorBench::Step EstimatorBench::motion_step(double dt, const Gaussian& state) const {

@@ -48,8 +48,8 @@ public:
 
     /// Leaves the check unless the filter has a single motion that is linear, and a Cartesian state.
     void wants_linear_motion() const;
-    /// Leaves it unless the sensor is linear and the filter is one of moments.
-    void wants_linear_sensor(std::int32_t sensor) const;
+    /// The linear sensors. Leaves the check unless there is one and the filter is one of moments.
+    std::vector<std::int32_t> linear_sensors() const;
     struct Step {
         Eigen::MatrixXd transition, noise;
     };

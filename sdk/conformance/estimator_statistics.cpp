@@ -31,19 +31,19 @@ PELORUS_CHECK(estimator, "estimator-errors-match-covariance", 4,
     const auto instance = bench.make();
     const EstimatorBench filter(*instance);
     filter.wants_linear_motion();
-    filter.wants_linear_sensor(0);
+    const std::int32_t sensor = filter.linear_sensors().front();
     Sample sample = bench.sample();
     constexpr int runs = 200, steps = 60;
     constexpr double dt = 1.0;
     const plr_space& space = *filter.info.cartesian;
     const Gaussian start{Eigen::VectorXd::Zero(filter.c), sample.covariance(space)};
-    const plr_space& seen = *filter.sensor_info(0).measurement;
+    const plr_space& seen = *filter.sensor_info(sensor).measurement;
     const Eigen::MatrixXd noise = sample.covariance(Eigen::VectorXd(1e-3 * scales_of(seen)));
-    const std::int64_t m = filter.measured(0);
+    const std::int64_t m = filter.measured(sensor);
     const EstimatorBench::Step step = filter.motion_step(dt, start);
-    const Eigen::MatrixXd h = filter.sensor_jacobian(0, start.mean);
+    const Eigen::MatrixXd h = filter.sensor_jacobian(sensor, start.mean);
     const Argument fresh = filter.start(start);
-    const Eigen::VectorXd offset = filter.project_of(0, fresh).measurement;  // of the mean, which is 0
+    const Eigen::VectorXd offset = filter.project_of(sensor, fresh).measurement;  // of the mean, which is 0
 
     Eigen::MatrixXd truth(filter.n, runs);
     Argument record = fresh;
@@ -65,7 +65,7 @@ PELORUS_CHECK(estimator, "estimator-errors-match-covariance", 4,
             truth.col(run) = step.transition * truth.col(run) + sample.normal(none, step.noise);
             Eigen::Map<Eigen::VectorXd>(out, m) = offset + h * truth.col(run) + sample.normal(quiet, noise);
         });
-        call = filter.update(0, record, measurement, r);
+        call = filter.update(sensor, record, measurement, r);
         const Execution done = execute_well(*instance, call, fast);
         record = EstimatorCalls::argument(call, done, 0, "record");
         if (k != steps - 1) continue;

@@ -96,6 +96,7 @@ struct Saboteur : pelorus::conformance::KalmanFilter<Saboteur> {
             const bool is_late = predictions >= steady;
             if (DEFECT("estimator-predicts-as-its-motion") || (is_late && DEFECT("estimator-errors-match-covariance")))
                 without_noise(one, dt, out);
+            if (DEFECT("estimator-predicts-as-its-motion.unsure")) p *= 1.9;
             if (NEAR_MISS("estimator-predicts-as-its-motion") ||
                 (is_late && NEAR_MISS("estimator-errors-match-covariance")))
                 p *= 1.02;
