@@ -1,4 +1,6 @@
 // The state of a stage, saved and loaded: what a resumed run rests on.
+#include <algorithm>
+
 #include "machine/message_words.hpp"
 #include "machine/stage_bench.hpp"
 
@@ -34,6 +36,9 @@ std::vector<std::pair<std::string, Bytes>> broken_states(const Bytes& state, Sam
         for (unsigned char& byte : noise) byte = static_cast<unsigned char>(sample.below(256));
         broken.emplace_back(std::to_string(size) + " random bytes", noise);
     }
+    // A stage may have nothing to save: then no bytes are its whole state.
+    broken.erase(std::remove_if(broken.begin(), broken.end(), [&](const auto& each) { return each.second == state; }),
+                 broken.end());
     return broken;
 }
 
@@ -158,6 +163,7 @@ PELORUS_CHECK(stage, "stage-survives-flipped-bits", 4,
     must_save(player);
     play(player, script, 0, half);
     const Bytes good = player.save();
+    if (good.empty()) skip("the state has no bytes");
     Sample sample = bench.sample(3);
     int accepted = 0;
     for (int k = 0; k < tries; ++k) {
