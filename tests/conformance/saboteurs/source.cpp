@@ -8,7 +8,7 @@
 namespace {
 
 constexpr std::uint32_t truth_port = 0, scans_port = 1;
-constexpr std::int64_t second = 1'000'000'000, most = 40;
+constexpr std::int64_t second = 1'000'000'000;
 
 struct Saboteur : pelorus::Stage<Saboteur> {
     static constexpr const char* kind = "source";
@@ -40,6 +40,8 @@ struct Saboteur : pelorus::Stage<Saboteur> {
     }
 
     plr_next next() {
+        // Scans that arrive late are still under way where a look at the first events ends.
+        const std::int64_t most = NEAR_MISS("source-truth-names-real-measurements") ? 100 : 40;
         if (k >= most) {
             if (DEFECT("source-end-is-final")) k = 0;
             return {sizeof(plr_next), PLR_NEXT_END, NEAR_MISS("source-end-is-final") ? ++asked : 0, 0};
@@ -82,7 +84,11 @@ struct Saboteur : pelorus::Stage<Saboteur> {
         const pelorus::Vector<3> measurement = state.head<3>() + 5 * error, alarm = 5000 * place;
         const pelorus::Matrix<3> covariance = 25 * pelorus::Matrix<3>::Identity();
         pelorus::ScanBuilder scan("radar", frame, pelorus::position_space(3));
-        if (!is_missed) scan.add(id_of(number), measurement.data(), covariance.data());
+        if (NEAR_MISS("source-truth-names-real-measurements")) {  // two scans behind
+            if (k >= 2 && k % 4 != 3) scan.add(id_of(number - 2), measurement.data(), covariance.data());
+        } else {
+            scan.add(id_of(number), measurement.data(), covariance.data());
+        }
         scan.add(id_of(number + 500), alarm.data(), covariance.data());
         publish(scans_port, scan.message(time));
         if (DEFECT("source-truth-before-scans")) publish(truth_port, truth.message(time));
