@@ -290,8 +290,8 @@ PELORUS_CHECK(trajectory, "trajectory-lives-from-birth-to-death", 3,
 }
 
 PELORUS_CHECK(trajectory, "trajectory-family-is-sound", 3,
-              "Objects have the ids 0 to o - 1, and each has no parent or one that exists when it is born; analyzers "
-              "follow families by them.",
+              "Objects have the ids 0 to o - 1, and each has no parent or one that exists when it is born, and none "
+              "descends from itself; analyzers follow families by them.",
               {"numbers-finite"}) {
     TrajectoryTrial trial(bench);
     const Flight flight = trial.flight({0});
@@ -308,11 +308,19 @@ PELORUS_CHECK(trajectory, "trajectory-family-is-sound", 3,
             FAIL("states: the parent of object " << o << " is " << parent << ", expected -1 or another's index below "
                                                  << flight.objects());
         const auto p = static_cast<std::size_t>(parent);
-        // Born later than its parent: so nobody descends from himself.
-        if (flight.births[p] >= flight.births[o] || flight.deaths[p] < flight.births[o])
+        if (flight.births[p] > flight.births[o] || flight.deaths[p] < flight.births[o])
             FAIL("states: object " << o << " is born " << at_time(flight.births[o]) << " of object " << parent
                                    << ", which lives from " << at_time(flight.births[p]) << " until "
                                    << at_time(flight.deaths[p]));
+    }
+    // All parents are there. Objects of one birth may be each other's ancestors all the same.
+    for (std::size_t o = 0; o < flight.parents.size(); ++o) {
+        std::int64_t ancestor = flight.parents[o];
+        for (std::size_t steps = 0; ancestor != -1; ++steps) {
+            if (steps == flight.parents.size())
+                FAIL("states: the parents of object " << o << ", followed upwards, go round in a circle");
+            ancestor = flight.parents[static_cast<std::size_t>(ancestor)];
+        }
     }
 }
 

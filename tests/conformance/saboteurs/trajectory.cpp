@@ -70,26 +70,31 @@ struct Saboteur : pelorus::Trajectory<Saboteur> {
                                      ? start + speed / radius * seconds(last)
                                      : start + speed / radius * seconds(time);
             store(args, 0, k, circle(angle), time >= 0);
-            const double leave = start + speed / radius * seconds(drop);
+            const double leave = start + speed / radius * seconds(birth());
             const bool is_late = NEAR_MISS("trajectory-lives-from-birth-to-death") && time == end;
-            const bool is_early = DEFECT("trajectory-lives-from-birth-to-death") && time < drop;
-            store(args, 1, k, tangent(circle(leave), seconds(time - drop)),
-                  (time >= drop && time < end) || is_late || is_early);
+            const bool is_early = DEFECT("trajectory-lives-from-birth-to-death") && time < birth();
+            store(args, 1, k, tangent(circle(leave), seconds(time - birth())),
+                  (time >= birth() && time < end) || is_late || is_early);
         }
     }
 
 private:
     static double seconds(std::int64_t nanoseconds) noexcept { return static_cast<double>(nanoseconds) * 1e-9; }
 
+    /// Of the second object; both may begin together.
+    static std::int64_t birth() noexcept {
+        return NEAR_MISS("trajectory-family-is-sound") || DEFECT("trajectory-family-is-sound.circle") ? 0 : drop;
+    }
+
     void tell(const plr_trajectory_states& args) const {
         const std::uint64_t first = DEFECT("trajectory-family-is-sound") ? 1 : 0;
         const bool is_turned = NEAR_MISS("trajectory-family-is-sound");
         args.ids[0] = first + (is_turned ? 1 : 0);
         args.ids[1] = first + (is_turned ? 0 : 1);
-        args.parents[0] = -1;
+        args.parents[0] = DEFECT("trajectory-family-is-sound.circle") ? 1 : -1;
         args.parents[1] = 0;
         args.births[0] = 0;
-        args.births[1] = drop;
+        args.births[1] = birth();
         args.deaths[0] = std::numeric_limits<std::int64_t>::max();
         args.deaths[1] = end;
     }
