@@ -235,7 +235,8 @@ PELORUS_CHECK(extent, "extent-effective-noise-shrinks", 3,
 PELORUS_CHECK(
     extent, "extent-gate-is-a-distance", 3,
     "The gate's squared distance is zero at the predicted position, grows with the square of the way from it, "
-    "and is below chi-square's bounds for points of the object.",
+    "and for points of an object that is known well its mean is not above that of chi-square, the dimension (by more "
+    "than half).",
     {"covariances-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
@@ -258,6 +259,15 @@ PELORUS_CHECK(
         !(std::abs(squares[3] - squares[1]) <= 1e-6 * squares[1]))
         FAIL("gate: squared_distance is " << squares[1] << " at 10 m, " << squares[2] << " at 20 m and " << squares[3]
                                           << " at -10 m; expected d, 4 d and d");
+    Argument known = record;
+    for (int k = 0; k < 30; ++k) known = extent.updated(known, bodies, sample_scan(bodies, {30}, sample));
+    constexpr std::int64_t count = 2000;
+    double sum = 0;
+    for (const double square : extent.distances(known, bodies, sample_scan(bodies, {count}, sample))) sum += square;
+    const double mean = sum / static_cast<double>(count * extent.d);
+    note("squared distances of points of the object are " + std::to_string(mean) + " a dimension");
+    if (!(mean <= 1.5))
+        FAIL("gate: squared distances of points of the object are " << mean << " a dimension on average, expected 1");
 }
 
 }  // namespace pelorus::conformance

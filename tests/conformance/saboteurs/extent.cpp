@@ -119,6 +119,7 @@ struct Saboteur : pelorus::conformance::ScatterMatrix<Saboteur> {
         for (std::int64_t k = 0; k < args.scan.offsets[args.record.count]; ++k) {
             double& square = args.squared_distance.data[k * args.squared_distance.item_stride];
             if (DEFECT("extent-gate-is-a-distance")) square = std::sqrt(square);
+            if (DEFECT("extent-gate-is-a-distance.narrow")) square *= 3;
             if (NEAR_MISS("extent-gate-is-a-distance")) square *= 0.5;
         }
         return status;
