@@ -82,6 +82,15 @@ TEST_CASE("A check by name brings those that it rests on, and no others") {
     CHECK(names.count("batch-equals-singles") == 0);
 }
 
+TEST_CASE("A plugin that nobody told what it needs is skipped, which is no pass") {
+    const Ended ended = pelorus_command({"conform", PELORUS_PLUGIN_DIR "/source/csv.so", "--level", "1"});
+    CAPTURE(ended.out, ended.err);
+    CHECK(ended.exit == 1);
+    CHECK(ended.out.find("skipped instance-is-made: parameter ") != std::string::npos);
+    CHECK(ended.out.find("--subjects FILE") != std::string::npos);
+    CHECK(ended.out.find("FAIL") == std::string::npos);
+}
+
 TEST_CASE("The lower levels of pelorus conform leave the higher checks out") {
     const Json report = Json::parse(pelorus_command({"conform", singer, "--level", "1", "--json", "-"}).out);
     REQUIRE_FALSE(report["checks"].empty());
