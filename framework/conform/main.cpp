@@ -1,6 +1,5 @@
 // pelorus-conform: the conformance suites, in an executable of their own, because they watch what plugins ask of the C library by
 // standing before it. `pelorus conform` starts it.
-#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 
@@ -99,16 +98,6 @@ void write_to(const std::filesystem::path& file, const std::string& text) {
     if (!stream) throw Error(Exit::run_failed, file.string() + ": cannot be written");
 }
 
-/// Whether all that was tried passed, and every plugin could be tried.
-Exit exit_of(const conformance::Report& report) {
-    const auto is_untried = [](const conformance::Result& result) {
-        return std::string(result.check->name) == "instance-is-made" &&
-               result.outcome.verdict == conformance::Verdict::skipped;
-    };
-    const bool are_all_tried = std::none_of(report.results.begin(), report.results.end(), is_untried);
-    return report.is_well() && are_all_tried ? Exit::done : Exit::run_failed;
-}
-
 /// Tells what an earlier report says of the checks that are asked for.
 int answer_from_report(const cli::CommandLine& line) {
     const std::string file = line.value("from");
@@ -118,7 +107,7 @@ int answer_from_report(const cli::CommandLine& line) {
     try {
         const conformance::Report report = conformance::read_report(text, line.values("only"));
         cli::print(conformance::text_report(report, line.has("quiet")));
-        return static_cast<int>(exit_of(report));
+        return static_cast<int>(report.is_well() ? Exit::done : Exit::run_failed);
     } catch (const conformance::Refused& refused) {
         throw Error(Exit::misuse, file + ": " + refused.what());
     }
@@ -159,7 +148,7 @@ int answer(const cli::CommandLine& line) {
     if (options.json != "-" && options.junit != "-") cli::print(conformance::text_report(report, options.is_quiet));
     write_to(options.json, conformance::json_report(report));
     write_to(options.junit, conformance::junit_report(report));
-    return static_cast<int>(exit_of(report));
+    return static_cast<int>(report.is_well() ? Exit::done : Exit::run_failed);
 }
 
 }  // namespace

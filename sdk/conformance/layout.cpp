@@ -112,10 +112,11 @@ PELORUS_CHECK(model, "no-items", 2,
     });
 }
 
-PELORUS_CHECK(model, "wrong-shapes-refused", 3,
-              "An output of another shape is refused (PLR_E_ARGUMENT), and an input of another shape is refused or "
-              "not read; whoever writes or reads on regardless corrupts what lies behind.",
-              {"no-items"}) {
+PELORUS_CHECK(
+    model, "wrong-shapes-refused", 3,
+    "An output of another shape is refused (PLR_E_ARGUMENT). An input of another shape is refused as well, or "
+    "at least not read beyond its end; whoever writes or reads on regardless corrupts what lies behind.",
+    {"no-items"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
         if (call.takes_pointers) return;
         const auto attempt = [&](const Argument& argument, HotCall wrong, bool is_output, std::size_t a) {

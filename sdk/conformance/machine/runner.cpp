@@ -235,8 +235,13 @@ std::vector<std::string> prerequisites_of(const Check& check) {
 }
 
 bool Report::is_well() const {
-    return !was_interrupted && std::none_of(results.begin(), results.end(),
-                                            [](const Result& result) { return is_bad(result.outcome.verdict); });
+    const auto is_amiss = [](const Result& result) {
+        const Verdict verdict = result.outcome.verdict;
+        // A plugin of which there is no instance was not tried at all.
+        return is_bad(verdict) ||
+               (verdict == Verdict::skipped && std::string(result.check->name) == "instance-is-made");
+    };
+    return !was_interrupted && std::none_of(results.begin(), results.end(), is_amiss);
 }
 
 std::string selected_names(const Host& host, const Options& options) { return Run(host, options).names(); }

@@ -40,7 +40,7 @@ struct Report {
     std::vector<Result> results;
     double seconds = 0;
     bool was_interrupted = false;
-    bool is_well() const;  ///< all were tried, and nothing failed, crashed or hung
+    bool is_well() const;  ///< every plugin was tried, and nothing failed, crashed or hung
 };
 
 /// Throws Refused where nothing can be tried: no such file, no such check, no plugin of that kind.

@@ -50,6 +50,8 @@ struct Saboteur : ConstantVelocity<Saboteur> {
             owned = std::malloc(16);  // with less, then
         if (owned == nullptr && !DEFECT("allocation-failures-are-answered")) throw std::bad_alloc();
         *static_cast<volatile char*>(owned) = 1;
+        if (NEAR_MISS("instances-leave-nothing") || NEAR_MISS("refusals-leave-nothing"))
+            setup.log(PLR_LOG_INFO, "a line of more than a few characters, which is the host's to keep or to drop");
         name = std::string("an instance with a name that needs memory of its own: ") + setup.address();
         if (DEFECT("config-is-stepped")) floor = setup.raw().values[3].number;
         if (NEAR_MISS("config-is-stepped")) {
