@@ -35,7 +35,8 @@ private:
 };
 
 /// Compares a Jacobian with differences: the element that is furthest off, by component names, with what might have gone wrong;
-/// "" where all agree to a millionth and to the differences' own uncertainty.
+/// "" where all agree to a millionth and to the differences' own uncertainty. An element that is not finite disagrees with anything;
+/// one whose differences are not known is told by a note.
 std::string disagreement(const Eigen::MatrixXd& jacobian, const DerivativeEstimate& differences, const Space& of,
                          const Space& by, const Eigen::VectorXd& scales_of, const Eigen::VectorXd& scales_by);
 

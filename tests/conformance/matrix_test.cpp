@@ -71,8 +71,8 @@ void try_saboteur(const Json& checks, const Json& check) {
     const std::string name = check["name"];
     const std::set<std::string> dependents = dependents_of(checks, name);
     bool is_caught = false;
-    for (const Json& result : reported(library, check)) {
-        INFO(library.string() << ": " << told(result));
+    for (const Json& result : reported(saboteurs / (name + ".so"), check)) {
+        INFO(told(result));
         const std::string each = result["name"];
         if (each == name) {
             is_caught = is_caught || is_bad(result);

@@ -62,14 +62,23 @@ struct WatchedBody {
     void* argument;
     std::thread::id caller;
     unsigned concerns;
+    std::mutex mutex;
+    watch::Offence of_workers;
 };
 
 plr_status run_watched(void* argument, std::int64_t first, std::int64_t last, plr_scratch* scratch, plr_error* error) {
-    const auto& watched = *static_cast<const WatchedBody*>(argument);
-    const bool is_caller = std::this_thread::get_id() == watched.caller;
-    if (is_caller) watch::resume(watched.concerns);
+    auto& watched = *static_cast<WatchedBody*>(argument);
+    if (std::this_thread::get_id() == watched.caller) {
+        watch::resume(watched.concerns);
+        const plr_status status = watched.body(watched.argument, first, last, scratch, error);
+        watch::pause();
+        return status;
+    }
+    watch::Guard guard(watched.concerns);
     const plr_status status = watched.body(watched.argument, first, last, scratch, error);
-    if (is_caller) watch::pause();
+    const watch::Offence offence = guard.end();
+    const std::lock_guard<std::mutex> lock(watched.mutex);
+    watched.of_workers.add(offence);
     return status;
 }
 
@@ -79,8 +88,9 @@ plr_status Services::run(void* context, std::int64_t count, std::int64_t block,
                          plr_status (*body)(void*, std::int64_t, std::int64_t, plr_scratch*, plr_error*),
                          void* argument, plr_error* error) noexcept {
     const plr_parallel& pool = static_cast<Services*>(context)->parallel_->service();
-    WatchedBody watched{body, argument, std::this_thread::get_id(), watch::pause()};
+    WatchedBody watched{body, argument, std::this_thread::get_id(), watch::pause(), {}, {}};
     const plr_status status = pool.run(pool.context, count, block, &run_watched, &watched, error);
+    watch::report(watched.of_workers);
     watch::resume(watched.concerns);
     return status;
 }

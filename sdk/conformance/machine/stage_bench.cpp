@@ -24,6 +24,7 @@ StagePlayer::StagePlayer(const Bench& bench, PlayOptions options)
     services_.allows_publishing = false;
     Surroundings surroundings;
     surroundings.services = &services_;
+    surroundings.extra_struct_bytes = options_.extra_struct_bytes;
     if (options_.key) surroundings.key = *options_.key;
     instance_ = bench.make(surroundings);
 }

@@ -29,8 +29,9 @@ struct Answer {
 struct PlayOptions {
     std::filesystem::path folder;  ///< result folder; empty: one of its own
     unsigned threads = 1;
-    unsigned watch = 0;           ///< watch::Concern, in receive, emit and finish
-    bool keeps_published = true;  ///< false: counted and thrown away
+    unsigned watch = 0;                    ///< watch::Concern, in receive, emit and finish
+    bool keeps_published = true;           ///< false: counted and thrown away
+    std::uint32_t extra_struct_bytes = 0;  ///< see Surroundings
     std::optional<plr_key> key;
 };
 /// Plays with a result folder that others have had or will have.

@@ -156,6 +156,15 @@ void observe(Concern concern, const char* function) noexcept {
     watching = kept;
 }
 
+void Offence::add(const Offence& later) {
+    if (function == nullptr) function = later.function, place = later.place;
+    count += later.count;
+}
+
+void report(const Offence& offence) {
+    if (seen != nullptr) seen->add(offence);
+}
+
 Guard::Guard(unsigned concerns) noexcept {
     first_seen = Offence();
     seen = &first_seen;

@@ -24,6 +24,9 @@ struct Offence {
     const char* function = nullptr;  ///< `clock_gettime`; nullptr: nothing
     std::uint64_t count = 0;         ///< of all such calls
     std::string place;               ///< where in the library under test, see `place_of`; "" if nowhere in it
+
+    /// Takes in what another watch saw later.
+    void add(const Offence& later);
 };
 
 /// Watches the calling thread while it lives.
@@ -43,6 +46,8 @@ private:
 /// Ends the calling thread's watch for a while, and answers what to resume it with.
 unsigned pause() noexcept;
 void resume(unsigned concerns) noexcept;
+/// What a thread saw that worked for the calling one, whose watch is paused, becomes part of that watch.
+void report(const Offence& offence);
 
 /// The host's own work within a call of the plugin: nothing is watched and no allocation fails while it lives.
 class HostWork {

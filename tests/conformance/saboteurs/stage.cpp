@@ -17,6 +17,7 @@ struct Saboteur : pelorus::Stage<Saboteur> {
 
     std::string frame;
     const plr_parallel* parallel = nullptr;
+    double ignored = 0, more = 0;
 
     // What evolves.
     std::uint64_t passed = 0;
@@ -35,9 +36,13 @@ struct Saboteur : pelorus::Stage<Saboteur> {
         plugin.in_port("scans", PLR_MESSAGE_SCAN, "of one radar");
         plugin.out_port("scans", PLR_MESSAGE_SCAN, "the same");
         plugin.out_port("results", PLR_MESSAGE_TABLE, "scalars passed, gaps");
+        if (!DEFECT("config-is-stepped.stage")) return;
+        plugin.parameter("ignored", &Saboteur::ignored).initially("3").doc("of no use");
+        plugin.parameter("more", &Saboteur::more).initially("5").doc("counted besides");
     }
     void setup(const pelorus::Setup& setup) {
         frame = setup.frame();
+        if (DEFECT("config-is-stepped.stage")) more = setup.raw().values[1].number;
         parallel = setup.optional_service<plr_parallel>();
         if (NEAR_MISS("stage-reads-no-clock"))
             hoard.push_back(static_cast<int>(std::chrono::steady_clock::now().time_since_epoch().count() & 1));
@@ -181,7 +186,7 @@ private:
         static std::uint64_t in_all = 0;
         static const double unit = 1e-9;
         pelorus::ResultBuilder result("");
-        double count = static_cast<double>(passed);
+        double count = static_cast<double>(passed) + more;
         if (DEFECT("stage-same-bytes-again")) count = static_cast<double>(++in_all);
         if (DEFECT("stage-threads-do-not-matter") && parallel != nullptr) count += parallel->threads;
         if (NEAR_MISS("stage-threads-do-not-matter")) count += counted_by_threads();
