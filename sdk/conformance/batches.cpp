@@ -38,7 +38,7 @@ std::vector<double> inputs_off_default(const Instance& instance, int variant) {
 PELORUS_CHECK(model, "batch-equals-singles", 2,
               "A batch gives each item the very bits that it would get alone; otherwise results depend on who else is "
               "tracked, and on how work is split.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     for_batches(bench, [&](const Instance& instance, const HotCall& call) {
         const Execution whole = execute_well(instance, call);
         for (std::int64_t i = 0; i < call.count; ++i) {
@@ -73,7 +73,7 @@ PELORUS_CHECK(model, "items-in-any-order", 2,
 PELORUS_CHECK(model, "inputs-null-is-default", 2,
               "plr_call.inputs NULL means that every declared input has its default; a holder without values passes "
               "that.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
         if (instance.inputs().empty()) skip("it declares no inputs");
         ExecuteOptions options;

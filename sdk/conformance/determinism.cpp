@@ -86,7 +86,7 @@ PELORUS_CHECK(model, "same-bytes-again", 2,
 
 PELORUS_CHECK(model, "same-bytes-of-another-instance", 3,
               "Two instances made alike answer alike, whatever their addresses and however many there are.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     const auto one = bench.make(), other = bench.make();
     const auto calls = hot_calls(*one, bench.sample(), ordinary_batch);
     const auto theirs = hot_calls(*other, bench.sample(), ordinary_batch);
@@ -98,7 +98,7 @@ PELORUS_CHECK(model, "same-bytes-of-another-instance", 3,
 }
 
 PELORUS_CHECK(model, "same-bytes-in-another-process", 3,
-              "Another process answers the same bytes; campaigns split their runs among many.", {"same-bytes-again"}) {
+              "Another process answers the same bytes; campaigns split their runs among many.", {"calls-succeed"}) {
     const auto theirs = in_another_process([&] {
         const auto instance = bench.make();
         std::vector<double> all;

@@ -55,7 +55,7 @@ PELORUS_CHECK(model, "scratch-handed-back", 2,
 
 PELORUS_CHECK(model, "item-gaps", 2,
               "Items lie item_stride doubles apart, which may be more than their size: records nest in records.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
         ExecuteOptions options;
         options.gap = 3;
@@ -66,7 +66,7 @@ PELORUS_CHECK(model, "item-gaps", 2,
 PELORUS_CHECK(model, "common-inputs", 2,
               "An input with item_stride 0 is one matrix for all items; callers do not copy one time step a thousand "
               "times.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     for_batches(bench, [&](const Instance& instance, const HotCall& call) {
         for (std::size_t a = 0; a < call.in.size(); ++a) {
             const Argument& argument = call.in[a];
@@ -87,7 +87,7 @@ PELORUS_CHECK(model, "common-inputs", 2,
 
 PELORUS_CHECK(model, "strides-honoured", 2,
               "A model with PLR_FLAG_ANY_STRIDE reads and writes by row_stride and col_stride, whatever they are.",
-              {"same-bytes-again"}) {
+              {"calls-succeed"}) {
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
         if ((model_flags(instance) & PLR_FLAG_ANY_STRIDE) == 0) skip("it does not declare PLR_FLAG_ANY_STRIDE");
         ExecuteOptions options;

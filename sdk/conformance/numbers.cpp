@@ -47,10 +47,9 @@ PELORUS_CHECK(model, "calls-come-back", 2,
               {}) {
     // Memory as an ordinary host lends it: what is written where it should not be is for later checks to tell.
     for_calls(bench, [&](const Instance& instance, const HotCall& call) {
-        const std::string title = "a call of " + call.function;
-        set_subject_of_fault(title.c_str());
+        set_call_of_fault(call.function.c_str());
         execute_leniently(instance, call);
-        set_subject_of_fault("");
+        set_call_of_fault("");
     });
 }
 

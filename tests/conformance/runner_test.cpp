@@ -122,7 +122,7 @@ Json report_on_misdeed(const std::string& misdeed, const std::vector<std::string
     const std::string subjects = folder.write(
         "subjects.yaml", "misdeed: {use: org.example.motion.zoo, with: {fault: " + misdeed + ", call: propagate}}\n");
     std::vector<std::string> words{
-        "conform", PELORUS_TEST_PLUGINS "/zoo_motion.so", "--subjects", subjects, "--only", "inputs-unmodified",
+        "conform", PELORUS_TEST_PLUGINS "/zoo_motion.so", "--subjects", subjects, "--only", "calls-come-back",
         "--json=-"};
     words.insert(words.end(), flags.begin(), flags.end());
     const Ended ended = pelorus_command(words);
@@ -150,7 +150,7 @@ TEST_CASE("A plugin that crashes in a check is a verdict, with signal, subject a
     for (const auto& [misdeed, words] : std::map<std::string, std::string>{
              {"segfault", "SIGSEGV"}, {"overflow", "SIGSEGV"}, {"abort", "SIGABRT"}, {"terminate", "SIGABRT"}}) {
         CAPTURE(misdeed);
-        const Json result = result_of(report_on_misdeed(misdeed), "inputs-unmodified");
+        const Json result = result_of(report_on_misdeed(misdeed), "calls-come-back");
         const std::string told = messages_of(result);
         CAPTURE(told);
         CHECK(result["verdict"] == "crash");
@@ -162,8 +162,10 @@ TEST_CASE("A plugin that crashes in a check is a verdict, with signal, subject a
 
 TEST_CASE("A plugin that does not come back hangs, and the other checks go on") {
     const Json report = report_on_misdeed("hangs", {"--time-limit", "1", "--only", "instance-is-made"});
-    CHECK(result_of(report, "inputs-unmodified")["verdict"] == "hang");
-    CHECK(messages_of(result_of(report, "inputs-unmodified")).find("within 1 s") != std::string::npos);
+    CHECK(result_of(report, "calls-come-back")["verdict"] == "hang");
+    CHECK(messages_of(result_of(report, "calls-come-back")).find("within 1 s") != std::string::npos);
+    CHECK(messages_of(result_of(report, "calls-come-back")).find("it was still under way; at zoo::misbehave") !=
+          std::string::npos);
     CHECK(result_of(report, "instance-is-made")["verdict"] == "pass");
 }
 

@@ -29,6 +29,7 @@ namespace {
 
 int report_to = -1;
 const char* subject_title = "";
+const char* call_title = "";
 alignas(64) unsigned char signal_stack[1 << 16];
 
 bool was_write(void* context) noexcept {
@@ -92,6 +93,7 @@ void handle(int signal, siginfo_t* info, void* context) {
         if (!caller.empty()) place = caller;
     }
     std::string text = what;
+    if (call_title[0] != 0) text = std::string("a call of ") + call_title + ": " + text;
     if (subject_title[0] != 0) text = std::string("with {") + subject_title + "}: " + text;
     if (!place.empty()) text += "; at " + place;
     std::string json = std::string("{\"verdict\": \"") +
@@ -123,5 +125,6 @@ void install_fault_handler(int descriptor) {
 }
 
 void set_subject_of_fault(const char* title) noexcept { subject_title = title; }
+void set_call_of_fault(const char* function) noexcept { call_title = function; }
 
 }  // namespace pelorus::conformance

@@ -9,5 +9,7 @@ void install_fault_handler(int descriptor);
 const void* instruction_of(void* context) noexcept;
 /// Shown with the fault; must stay alive.
 void set_subject_of_fault(const char* title) noexcept;
+/// The function that is called, where the place alone might not tell it; "": none. Must stay alive.
+void set_call_of_fault(const char* function) noexcept;
 
 }  // namespace pelorus::conformance

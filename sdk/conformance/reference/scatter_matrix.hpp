@@ -102,6 +102,7 @@ template <class Derived> struct ScatterMatrix : pelorus::Extent<Derived> {
             Known known = read(args.record, i);
             const Cloud cloud = cloud_of(args.scan, i);
             double log_likelihood = 0;
+            if (std::isnan(cloud.number)) throw NumericError("weights: not a number");
             if (cloud.number > 1) {  // one point has no spread
                 const Shape point = known.shape + cloud.noise;
                 log_likelihood = log_spread(cloud, point);
