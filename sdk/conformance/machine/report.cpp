@@ -34,8 +34,12 @@ std::string result_text(const Result& result) {
         for (char& c : verdict) c = static_cast<char>(std::toupper(c));
     std::string text = fmt::format("  {:<8}{}", verdict, result.check->name);
     if (outcome.verdict == Verdict::skipped) text += ": " + outcome.reason;
-    for (const std::string& note : outcome.notes) text += "  (" + note + ")";
+    const bool has_lines = outcome.notes.size() > 1;
+    if (!has_lines)
+        for (const std::string& note : outcome.notes) text += "  (" + note + ")";
     text += "\n";
+    if (has_lines)
+        for (const std::string& note : outcome.notes) text += indented(note, "          ");
     if (outcome.messages.empty()) return text;
     text += indented(result.check->law, "          ");
     for (const std::string& message : outcome.messages) text += indented(message, "          - ");
