@@ -5,11 +5,11 @@
 #     [long]          label: only run by tools/test --full
 #     [serial]        never beside another test
 #     [.]             not run by ctest at all
+#
+# With BY_SOURCE, one test of all cases of a source file that have no such tag: an executable with sanitizers takes half a second to
+# start.
 
 cmake_policy(VERSION 3.25) # ctest reads this file too, and sets no policies
-
-#
-# With BY_SOURCE, one test of all cases of a source file: an executable with sanitizers takes half a second to start.
 
 if(DEFINED PROJECT_NAME) # not in ctest
     function(pelorus_discover_tests target)

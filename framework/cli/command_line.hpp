@@ -38,7 +38,7 @@ public:
     /// Of a flag that does not repeat.
     std::string value(const std::string& flag, const std::string& otherwise = {}) const;
     std::vector<std::string> values(const std::string& flag) const;
-    /// A whole number of at most `most`. Throws Error (Exit::misuse).
+    /// A whole number from `least` to `most`; `otherwise` where the flag is not given. Throws Error (Exit::misuse).
     std::uint64_t number(const std::string& flag, std::uint64_t otherwise, std::uint64_t most,
                          std::uint64_t least = 0) const;
 

@@ -120,8 +120,8 @@ static plr_status told(const plr_call* call, int64_t i, plr_status status, const
 static plr_status shaped(const plr_call* call, const char* name, int64_t rows, int64_t cols, int64_t wanted_rows,
                          int64_t wanted_cols) {
     if (rows == wanted_rows && (wanted_cols < 0 || cols == wanted_cols)) return PLR_OK;
-    return fail(call->error, PLR_E_ARGUMENT, -1, "", "%s: is %lld x %lld, expected %lld rows", name, (long long)rows,
-                (long long)cols, (long long)wanted_rows);
+    return fail(call->error, PLR_E_ARGUMENT, -1, "", "%s: is %lld x %lld, expected %lld x %lld", name, (long long)rows,
+                (long long)cols, (long long)wanted_rows, (long long)(wanted_cols < 0 ? cols : wanted_cols));
 }
 
 static plr_status after(const plr_call* call, plr_status failed) {
