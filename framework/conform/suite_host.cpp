@@ -154,6 +154,18 @@ std::vector<std::string> SuiteHost::keys(const conformance::Settings& with) cons
     return static_cast<const ValueSettings&>(with).value.keys();
 }
 
+void SuiteHost::check_keys(const conformance::Settings& with, const std::vector<std::string>& known,
+                           const std::string& plugin) const {
+    refusing([&] {
+        graph::Problems problems;
+        for (const graph::Value::Entry& entry : static_cast<const ValueSettings&>(with).value.map)
+            if (std::find(known.begin(), known.end(), entry.key) == known.end())
+                problems.add(entry.where, plugin + " has no parameter '" + entry.key + "'" +
+                                              graph::suggestion(entry.key, known, "parameters"));
+        problems.raise();
+    });
+}
+
 std::vector<Subject> SuiteHost::subjects(const std::filesystem::path& file) const {
     return refusing([&] {
         std::ifstream stream(file, std::ios::binary);

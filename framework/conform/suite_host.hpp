@@ -24,6 +24,8 @@ public:
                                                 const conformance::Settings* with,
                                                 const std::string& plugin) const override;
     std::vector<std::string> keys(const conformance::Settings& with) const override;
+    void check_keys(const conformance::Settings& with, const std::vector<std::string>& known,
+                    const std::string& plugin) const override;
     std::vector<conformance::Subject> subjects(const std::filesystem::path& file) const override;
     std::string description_problem(const plr_description& description) const override;
     std::string instance_problem(const plr_plugin& plugin, const plr_instance& instance) const override;

@@ -1,10 +1,12 @@
 // Hosts that differ from ours: of an earlier or later minor version, or without some of the services.
+#include <cstddef>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include "machine/answers.hpp"
 #include "machine/bench.hpp"
+#include "machine/creation.hpp"
 #include "machine/fault_handler.hpp"
 #include "machine/hot_call.hpp"
 #include "machine/library.hpp"
@@ -95,6 +97,22 @@ PELORUS_CHECK(
         if (!difference.empty()) FAIL(stepping_problem(extra, difference));
     }
     if (std::strcmp(bench.plugin().table_id, PLR_STAGE) == 0) try_stepping_of_stage(bench);
+}
+
+PELORUS_CHECK(every, "short-config-is-refused", 2,
+              "A config whose struct_size is less than PLR_CONFIG_LEAST_SIZE is refused, whoever made it: what lies "
+              "behind its end "
+              "is not the host's word. A longer one, if not as long as the plugin's own, is that of an earlier host.",
+              {"instance-is-accepted"}) {
+    const auto holder = bench.make();
+    for (const std::size_t size : {std::size_t{8}, offsetof(plr_config, parts), PLR_CONFIG_LEAST_SIZE - 8}) {
+        plr_config config = holder->config();
+        config.struct_size = static_cast<std::uint32_t>(size);
+        const Creation made(holder->plugin(), config);
+        if (!made.left_by().empty() || made.status() >= 0)
+            FAIL("with config.struct_size " << size << " (every plr_config has " << PLR_CONFIG_LEAST_SIZE
+                                            << " bytes): " << made.told() << "; expected PLR_E_ARGUMENT");
+    }
 }
 
 PELORUS_CHECK(

@@ -160,18 +160,17 @@ PELORUS_CHECK(
 
 PELORUS_CHECK(
     every, "values-can-be-written", 2,
-    "Each default and each word of a choice, written into a config as it stands, is read as itself again; what a "
-    "report or the resolved config shows must be what one can write.",
-    {"defaults-are-read"}) {
-    bench.once_a_plugin();
+    "Each default, each value of the subject and each word of a choice, written into a config as it stands, is read as "
+    "itself again; what a report or the resolved config shows must be what one can write.",
+    {"defaults-are-read", "instance-is-made"}) {
     const plr_description& description = bench.description();
     const auto read = [&](const plr_parameter& parameter, const std::string& yaml) {
         const auto with = bench.host().settings(fmt::format("{{{}: {}}}", parameter.name, yaml), nullptr);
         return bench.host().values(&parameter, 1, with.get(), description.id);
     };
     const auto attempt = [&](const plr_parameter& parameter, const std::string& name, const plr_value& value) {
+        if (value.present == 0) return;
         const std::string yaml = yaml_of(parameter, value);
-        if (yaml.empty() || value.present == 0) return;
         try {
             const auto again = read(parameter, yaml);
             const std::string text = yaml_of(parameter, again->data()[0]);
@@ -192,6 +191,12 @@ PELORUS_CHECK(
             attempt(parameter, name, word);
         }
     });
+    const auto instance = bench.make();
+    const plr_config& config = instance->config();
+    for (std::uint32_t p = 0; p < config.value_count; ++p) {
+        const plr_parameter& parameter = element_of(description.parameters, p);
+        attempt(parameter, parameter.name, element_of(config.values, p));
+    }
 }
 
 }  // namespace pelorus::conformance

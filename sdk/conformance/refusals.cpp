@@ -1,5 +1,6 @@
 // How a plugin refuses to be created, and what it leaves behind then.
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <functional>
 
@@ -83,8 +84,8 @@ PELORUS_CHECK(
 
 PELORUS_CHECK(
     every, "error-struct-is-respected", 2,
-    "create writes into plr_error what it knows and nothing else: not struct_size, and not what a later version has "
-    "behind it.",
+    "create writes into plr_error what it knows and nothing else: not struct_size, not what a later version has behind "
+    "it, and nothing beyond the end of one that is shorter than its own.",
     {"bounds-are-survived", "absurd-values-are-survived"}) {
     const auto holder = bench.make();
     for_refusals(*holder, [&](const Refusal& refusal) {
@@ -99,6 +100,15 @@ PELORUS_CHECK(
         for (std::size_t i = sizeof error / sizeof(std::uint64_t); i < memory.size(); ++i)
             if (memory[i] != 0xA5A5A5A5A5A5A5A5u)
                 FAIL("with {" << refusal.title << "}: create wrote behind the plr_error that it knows");
+        constexpr std::size_t shorter = offsetof(plr_error, where);
+        std::fill(memory.begin() + shorter / sizeof(std::uint64_t), memory.end(), 0xA5A5A5A5A5A5A5A5u);
+        error.struct_size = shorter;
+        error.code = PLR_OK;
+        const Creation again(holder->plugin(), refusal.config, error);
+        for (std::size_t i = shorter / sizeof(std::uint64_t); i < memory.size(); ++i)
+            if (memory[i] != 0xA5A5A5A5A5A5A5A5u)
+                FAIL("with {" << refusal.title << "}: create wrote beyond the end of a plr_error whose struct_size is "
+                              << shorter);
     });
 }
 

@@ -1,5 +1,6 @@
 // What create makes of the values that a host hands it: at the bounds, within them, and beyond.
 #include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -40,16 +41,26 @@ double random_within(const plr_parameter& parameter, Sample& sample) {
     return is_excluded ? least + (most - least) / 2 : value;
 }
 
+/// A whole number within the bounds; of threads, particles and the like there are not so many that a machine breaks down.
+double random_count(const plr_parameter& parameter, Sample& sample) {
+    constexpr double span = 100;
+    const double least = std::max(parameter.min, std::isfinite(parameter.max) ? parameter.max - 1e6 : -span),
+                 most = std::min(parameter.max, std::max(least, 0.0) + span);
+    return std::min(most, std::floor(sample.uniform(least, most + 1)));
+}
+
 }  // namespace
 
 PELORUS_CHECK(
     every, "bounds-are-survived", 2,
-    "Values at the bounds that a parameter declares, and just inside them, make an instance or are refused; they are "
-    "where divisions by zero and empty ranges lie.",
+    "Values at the bounds that a parameter or column declares, and just inside them, make an instance or are refused, "
+    "and so do strings and paths of any kind and tables of few and many rows; there lie divisions by zero, empty "
+    "ranges "
+    "and buffers that are too short.",
     {"instance-is-accepted"}) {
     const auto holder = bench.make();
     const std::vector<Trial> trials = trials_within(bench.description());
-    if (trials.empty()) skip("no parameter has bounds or choices");
+    if (trials.empty()) skip("no parameter has bounds, choices, text or rows");
     try_each(*holder, trials);
 }
 
@@ -81,10 +92,13 @@ PELORUS_CHECK(
         std::vector<std::string> titles;
         for (std::uint32_t p = 0; p < description.parameter_count; ++p) {
             const plr_parameter& parameter = element_of(description.parameters, p);
-            const bool is_number = parameter.type == PLR_TYPE_DOUBLE || parameter.type == PLR_TYPE_VECTOR;
+            const bool is_number = parameter.type == PLR_TYPE_DOUBLE || parameter.type == PLR_TYPE_VECTOR ||
+                                   parameter.type == PLR_TYPE_MATRIX;
             Trial trial{p, "", 0};
             if (is_number)
                 trial.number = random_within(parameter, sample);
+            else if (parameter.type == PLR_TYPE_INT)
+                trial.number = random_count(parameter, sample);
             else if (parameter.type == PLR_TYPE_BOOL)
                 trial.number = static_cast<double>(sample.below(2));
             else if (parameter.type == PLR_TYPE_CHOICE)

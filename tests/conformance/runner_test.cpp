@@ -146,6 +146,19 @@ std::string messages_of(const Json& result) {
 
 }  // namespace
 
+TEST_CASE("A misspelt parameter in a file of subjects is told with its place and the word that was meant") {
+    const pelorus::test::TemporaryFolder folder;
+    const std::string subjects =
+        folder.write("subjects.yaml", "one:\n  use: motion.singer\n  with: {maneuver_rat: 0.1 1/s}\n");
+    const Ended ended =
+        pelorus_command({"conform", singer, "--subjects", subjects, "--only", "instance-is-made", "--json=-"});
+    CAPTURE(ended.out, ended.err);
+    CHECK(ended.exit == 1);
+    const std::string told = messages_of(result_of(Json::parse(ended.out), "instance-is-made"));
+    CHECK(told.find("subjects.yaml:3:10: motion.singer has no parameter 'maneuver_rat'; did you mean "
+                    "'maneuver_rate'?") != std::string::npos);
+}
+
 TEST_CASE("A plugin that crashes in a check is a verdict, with signal, subject and place") {
     for (const auto& [misdeed, words] : std::map<std::string, std::string>{
              {"segfault", "SIGSEGV"}, {"overflow", "SIGSEGV"}, {"abort", "SIGABRT"}, {"terminate", "SIGABRT"}}) {

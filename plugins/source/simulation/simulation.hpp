@@ -82,8 +82,8 @@ public:
     }
 
     plr_next next() const {
-        if (event_ == times_.size()) return {sizeof(plr_next), PLR_NEXT_END, 0, 0};
-        const std::int64_t time = times_[static_cast<std::size_t>(event_)];
+        if (has_ended()) return {sizeof(plr_next), PLR_NEXT_END, 0, 0};
+        const std::int64_t time = times_[event_ % block];
         return {sizeof(plr_next), PLR_NEXT_DATA, time, time};
     }
 
@@ -100,9 +100,9 @@ public:
     }
 
     void emit(const pelorus::Event& event) {
-        if (event_ == times_.size()) throw pelorus::ArgumentError("the simulation has ended");
+        if (has_ended()) throw pelorus::ArgumentError("the simulation has ended");
         load_block();
-        const std::int64_t time = times_[static_cast<std::size_t>(event_)];
+        const std::int64_t time = times_[event_ % block];
         std::vector<std::vector<Object>> objects(targets_.size());
         std::vector<std::vector<std::vector<std::uint64_t>>> origins(targets_.size());
         for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -114,7 +114,7 @@ public:
             if (scan(s, time, objects, origins)) due.push_back(s);
         tell_truth(time, objects, origins);
         for (const std::size_t s : due) publish(scans_port, builders_[s].message(event.time));
-        ++event_;
+        if (++event_ % block == 0) events_.times(ticks_, block, times_);
     }
 
     template <class Archive> void state(Archive& archive) {
@@ -122,9 +122,10 @@ public:
         for (Target& target : targets_) target.state(archive);
         for (SimulatedSensor& sensor : sensors_) sensor.state(archive);
         if constexpr (Archive::reading) {
+            if (ticks_.size() != sensors_.size()) throw pelorus::DataError("saved state is of another simulation");
             block_loaded_ = no_block;
-            if (event_ > times_.size() || ticks_.size() != sensors_.size())
-                throw pelorus::DataError("saved state is of another simulation");
+            events_.times(events_.before(ticks_, event_ % block), block, times_);
+            if (times_.size() < event_ % block) throw pelorus::DataError("saved state is of another simulation");
         }
     }
 
@@ -190,10 +191,14 @@ private:
             throw pelorus::ParameterError(duration_ ? "duration" : "scans", "goes beyond what ns can count (9e9 s)");
         const std::int64_t end =
             duration_ ? std::llround(seconds * 1e9) : own.time(static_cast<std::uint64_t>(*scans_ - 1));
-        for (const SimulatedSensor& sensor : sensors_) clocks_.emplace_back(sensor.values().period.value_or(period_));
-        times_ = all_ticks(clocks_, end);
-        ticks_.assign(sensors_.size(), 0);
+        std::vector<Clock> clocks;
+        for (const SimulatedSensor& sensor : sensors_) clocks.emplace_back(sensor.values().period.value_or(period_));
+        events_ = Events(std::move(clocks), end);
+        ticks_ = events_.first();
+        events_.times(ticks_, block, times_);
     }
+
+    bool has_ended() const noexcept { return event_ % block >= times_.size(); }
 
     /// The components that all targets have, in the first one's order.
     void make_truth_space() {
@@ -216,9 +221,8 @@ private:
     void load_block() {
         const std::uint64_t wanted = event_ / block;
         if (wanted == block_loaded_) return;
-        const std::uint64_t first = wanted * block, count = std::min<std::uint64_t>(block, times_.size() - first);
         for (Target& target : targets_)
-            target.load_block(caller_, times_.data() + first, static_cast<std::int64_t>(count));
+            target.load_block(caller_, times_.data(), static_cast<std::int64_t>(times_.size()));
         block_loaded_ = wanted;
     }
 
@@ -226,7 +230,7 @@ private:
     bool scan(std::size_t s, std::int64_t time, const std::vector<std::vector<Object>>& objects,
               std::vector<std::vector<std::vector<std::uint64_t>>>& origins) {
         SimulatedSensor& sensor = sensors_[s];
-        if (clocks_[s].time(ticks_[s]) != time) return false;
+        if (!events_.is_due(s, ticks_, time)) return false;
         const std::uint64_t tick = ticks_[s]++;
         if (sensor.dropped(draws_, tick)) return false;
         pelorus::ScanBuilder& builder = builders_[s];
@@ -276,8 +280,8 @@ private:
     pelorus::Caller caller_;
     std::vector<Target> targets_;
     std::vector<SimulatedSensor> sensors_;
-    std::vector<Clock> clocks_;
-    std::vector<std::int64_t> times_;  ///< of all events
+    Events events_;
+    std::vector<std::int64_t> times_;  ///< of the events of this block
     pelorus::Space space_;
     int extent_dimension_ = 0;
     std::string frame_;

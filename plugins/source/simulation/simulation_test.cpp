@@ -104,6 +104,14 @@ TEST_CASE("simulation: tick k lies at round(k x period), never accumulated", "[s
     CHECK(simulation::Clock(0.1).time(31'536'000'000) == 3'153'600'000 * second);
 }
 
+TEST_CASE("simulation: a run of a year at 1 MHz begins at once", "[simulation]") {
+    Simulated run("{duration: 31536000 s, period: 1 us}", {target("a", dot), radar("r", "{}")});
+    run.source->run(200);
+    const auto seen = run.seen("r");
+    REQUIRE(seen.size() == 200);
+    CHECK(seen.back().time == 199'000);
+}
+
 TEST_CASE("simulation: scans counts k = 0, duration tells the last tick, a sensor may have its own period",
           "[simulation]") {
     const std::vector<Part> parts{target("a", dot), radar("slow", "{}"), radar("fast", "{}", "{period: 0.25 s}")};
@@ -338,9 +346,10 @@ TEST_CASE("simulation: what cannot be simulated is refused by name", "[simulatio
               .find("sensors: sensor r looks at position.z, which target flat has not") == 0);
     CHECK(refusal("{scans: 1}", {target("a", dot), radar("r", "{}", "{false_alarms: 1}")}) ==
           "sensors: sensor r has false_alarms; say where: clutter_min and clutter_max");
-    CHECK(
-        refusal("{duration: 1e6 s, period: 1 us}", {target("a", dot), radar("r", "{}")}).find("period: is too short") ==
-        0);
+    CHECK(refusal("{duration: 8e9 s, period: 5 ns}", {target("a", dot), radar("r", "{}")})
+              .find("period: is too short for") == 0);
+    CHECK(refusal("{duration: 1 s, period: 0.1 ns}", {target("a", dot), radar("r", "{}")})
+              .find("period: is too short: times are counted in ns") == 0);
     CHECK(refusal("{scans: 1}", {target("a", dot), plane, radar("r", "{dimension: 2}")}) ==
           "targets: targets a and flat move on different numbers of axes");
 }

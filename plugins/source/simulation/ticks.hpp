@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <string>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <pelorus/failure.hpp>
@@ -19,33 +20,66 @@ public:
         return std::llround(static_cast<long double>(tick) * static_cast<long double>(period_));
     }
 
-    /// How many ticks have times 0 .. end, within one; not finite or negative where the period is none.
-    double ticks_until(std::int64_t end) const noexcept {
-        return std::isfinite(period_) ? std::floor((static_cast<double>(end) + 0.5) / period_) + 1 : period_;
-    }
+    /// In ns.
+    double period() const noexcept { return period_; }
 
 private:
     double period_;
 };
 
-/// The times (ns, ascending, each once) of all ticks up to and including `end`. Throws ParameterError where there are too many to keep.
-inline std::vector<std::int64_t> all_ticks(const std::vector<Clock>& clocks, std::int64_t end) {
-    constexpr int most = 100'000'000;
-    double expected = 0;
-    for (const Clock& clock : clocks) {
-        if (!(clock.ticks_until(end) >= 0))
-            throw pelorus::ParameterError("period", "is no period: it must be above 0 s");
-        expected += clock.ticks_until(end);
+/// The events of some clocks up to and including `end`: the times (ns, ascending, each once) at which any of them ticks. Made as
+/// they are asked for; a position among them is the next tick of each clock.
+class Events {
+public:
+    using Position = std::vector<std::uint64_t>;
+
+    Events() = default;
+    /// Throws ParameterError for periods that clocks in ns cannot keep.
+    Events(std::vector<Clock> clocks, std::int64_t end) : clocks_(std::move(clocks)), end_(end) {
+        constexpr double most = 9007199254740992;  // 2^53
+        for (const Clock& clock : clocks_) {
+            if (!(clock.period() > 0) || !std::isfinite(clock.period()))
+                throw pelorus::ParameterError("period", "is no period: it must be above 0 s");
+            if (clock.period() < 1)
+                throw pelorus::ParameterError("period", "is too short: times are counted in ns, so 1 ns is the least");
+            if (!(static_cast<double>(end) / clock.period() < most))
+                throw pelorus::ParameterError("period",
+                                              "is too short for a run of this duration: more than 2^53 ticks");
+        }
     }
-    if (!(expected <= most))
-        throw pelorus::ParameterError(
-            "period", "is too short for a run of this duration: more than " + std::to_string(most) + " ticks");
-    std::vector<std::int64_t> times;
-    for (const Clock& clock : clocks)
-        for (std::uint64_t k = 0; clock.time(k) <= end; ++k) times.push_back(clock.time(k));
-    std::sort(times.begin(), times.end());
-    times.erase(std::unique(times.begin(), times.end()), times.end());
-    return times;
-}
+
+    Position first() const { return Position(clocks_.size(), 0); }
+    bool is_due(std::size_t clock, const Position& at, std::int64_t time) const noexcept {
+        return clocks_[clock].time(at[clock]) == time;
+    }
+
+    /// The times of the next `most` events from there on, fewer at the end.
+    void times(Position at, std::size_t most, std::vector<std::int64_t>& times) const {
+        times.clear();
+        while (times.size() < most) {
+            std::int64_t next = std::numeric_limits<std::int64_t>::max();
+            for (std::size_t c = 0; c < clocks_.size(); ++c) next = std::min(next, clocks_[c].time(at[c]));
+            if (next > end_) return;
+            for (std::size_t c = 0; c < clocks_.size(); ++c) at[c] += is_due(c, at, next);
+            times.push_back(next);
+        }
+    }
+
+    /// The position so many events before. Throws DataError where there are not so many.
+    Position before(Position at, std::uint64_t events) const {
+        for (; events > 0; --events) {
+            std::int64_t last = -1;
+            for (std::size_t c = 0; c < clocks_.size(); ++c)
+                if (at[c] > 0) last = std::max(last, clocks_[c].time(at[c] - 1));
+            if (last < 0) throw pelorus::DataError("saved state is of another simulation");
+            for (std::size_t c = 0; c < clocks_.size(); ++c) at[c] -= at[c] > 0 && clocks_[c].time(at[c] - 1) == last;
+        }
+        return at;
+    }
+
+private:
+    std::vector<Clock> clocks_;
+    std::int64_t end_ = 0;
+};
 
 }  // namespace simulation

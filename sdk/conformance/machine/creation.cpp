@@ -95,6 +95,8 @@ AlteredConfig::AlteredConfig(const Instance& instance)
     : config_(instance.config()),
       values_(config_.values, config_.values + config_.value_count),
       numbers_(config_.value_count),
+      text_(config_.value_count),
+      texts_(config_.value_count),
       description_(instance.description()) {
     config_.values = values_.data();
 }
@@ -125,6 +127,75 @@ bool AlteredConfig::set_integer(std::uint32_t parameter, std::int64_t integer) {
     return true;
 }
 
+bool AlteredConfig::set_text(std::uint32_t parameter, std::string text) {
+    text_[parameter] = std::move(text);
+    values_[parameter].text = text_[parameter].c_str();
+    values_[parameter].present = 1;
+    return true;
+}
+
+bool AlteredConfig::set_rows(std::uint32_t parameter, std::int64_t rows) {
+    plr_value& value = values_[parameter];
+    const std::int64_t given = value.numbers.rows, columns = value.numbers.cols;
+    if (value.present == 0 || given == 0) return false;
+    std::vector<double> numbers(static_cast<std::size_t>(rows * columns));
+    std::vector<const char*> texts(numbers.size());
+    for (std::int64_t r = 0; r < rows; ++r)
+        for (std::int64_t k = 0; k < columns; ++k) {
+            numbers[static_cast<std::size_t>(k * rows + r)] =
+                value.numbers.data[k * value.numbers.col_stride + (r % given) * value.numbers.row_stride];
+            texts[static_cast<std::size_t>(r * columns + k)] = value.texts[(r % given) * columns + k];
+        }
+    numbers_[parameter] = std::move(numbers);
+    texts_[parameter] = std::move(texts);
+    value.numbers = {numbers_[parameter].data(), rows, columns, 1, 1, std::max<std::int64_t>(rows, 1), rows * columns};
+    value.texts = texts_[parameter].data();
+    return true;
+}
+
+bool AlteredConfig::set_column(std::uint32_t parameter, std::uint32_t column, double number) {
+    const std::int64_t rows = values_[parameter].numbers.rows;
+    if (!set_rows(parameter, rows)) return false;
+    std::fill_n(numbers_[parameter].begin() + column * rows, rows, number);
+    return true;
+}
+
+namespace {
+
+const std::string long_text(5000, 'x');
+
+/// Texts that are no one's plain word.
+std::vector<std::pair<std::string, std::string>> texts_for(const plr_parameter& parameter) {
+    std::vector<std::pair<std::string, std::string>> texts{
+        {"\"\"", ""}, {"5000 times x", long_text}, {"%s%n \"quoted\" {braces}", "%s%n \"quoted\" {braces}"}};
+    if (parameter.type == PLR_TYPE_PATH) {
+        texts.emplace_back("/", "/");
+        texts.emplace_back("no/such/folder/file", "no/such/folder/file");
+    } else {
+        texts.emplace_back("bytes that are no UTF-8", "\xC3\x28\xFF");
+    }
+    return texts;
+}
+
+/// As few rows as may be, twice those given, and each column of numbers at its bounds.
+void add_table_trials(std::uint32_t index, const plr_parameter& parameter, std::vector<Trial>& trials) {
+    const auto rows = [&](std::int64_t count) {
+        trials.push_back(
+            {index, std::string(parameter.name) + ": " + std::to_string(count) + " rows", static_cast<double>(count)});
+    };
+    constexpr std::int64_t many = 40;
+    rows(parameter.rows_min);
+    rows(parameter.rows_max < 0 ? parameter.rows_min + many : std::min<std::int64_t>(parameter.rows_max, many));
+    for (std::uint32_t k = 0; k < parameter.column_count; ++k) {
+        const plr_parameter& column = element_of(parameter.columns, k);
+        if (column.type != PLR_TYPE_DOUBLE && column.type != PLR_TYPE_INT) continue;
+        for (const double bound : bounds_of(column))
+            trials.push_back({index, std::string(parameter.name) + "." + title_of(column, bound), bound, "", k});
+    }
+}
+
+}  // namespace
+
 std::vector<Trial> trials_within(const plr_description& description) {
     std::vector<Trial> trials;
     for (std::uint32_t p = 0; p < description.parameter_count; ++p) {
@@ -136,6 +207,11 @@ std::vector<Trial> trials_within(const plr_description& description) {
         } else if (parameter.type == PLR_TYPE_CHOICE) {
             for (std::uint32_t c = 0; c < parameter.choice_count; ++c)
                 trials.push_back({p, std::string(parameter.name) + ": " + parameter.choices[c], double{1} * c});
+        } else if (parameter.type == PLR_TYPE_STRING || parameter.type == PLR_TYPE_PATH) {
+            for (const auto& [title, text] : texts_for(parameter))
+                trials.push_back({p, std::string(parameter.name) + ": " + title, 0, text});
+        } else if (parameter.type == PLR_TYPE_TABLE) {
+            add_table_trials(p, parameter, trials);
         }
     }
     return trials;
@@ -156,8 +232,14 @@ std::vector<Trial> trials_outside(const plr_description& description) {
 
 bool apply(const Trial& trial, const plr_description& description, AlteredConfig& config) {
     const plr_parameter& parameter = element_of(description.parameters, trial.parameter);
-    return has_numbers(parameter) ? config.set(trial.parameter, trial.number)
-                                  : config.set_integer(trial.parameter, static_cast<std::int64_t>(trial.number));
+    if (has_numbers(parameter)) return config.set(trial.parameter, trial.number);
+    if (parameter.type == PLR_TYPE_STRING || parameter.type == PLR_TYPE_PATH)
+        return config.set_text(trial.parameter, trial.text);
+    const auto whole = static_cast<std::int64_t>(trial.number);
+    if (parameter.type != PLR_TYPE_TABLE) return config.set_integer(trial.parameter, whole);
+    return trial.column < 0
+               ? config.set_rows(trial.parameter, whole)
+               : config.set_column(trial.parameter, static_cast<std::uint32_t>(trial.column), trial.number);
 }
 
 }  // namespace pelorus::conformance

@@ -54,11 +54,20 @@ public:
     /// Sets a number, or every element of a vector or matrix; an optional one is given with it. False if it has no numbers.
     bool set(std::uint32_t parameter, double number);
     bool set_integer(std::uint32_t parameter, std::int64_t integer);
+    /// Sets the text of a string or path.
+    bool set_text(std::uint32_t parameter, std::string text);
+    /// Makes a table have so many rows, the given ones over and over. False if it has none.
+    bool set_rows(std::uint32_t parameter, std::int64_t rows);
+    /// Sets the number of a column in all rows of a table. False if it has no rows.
+    bool set_column(std::uint32_t parameter, std::uint32_t column, double number);
 
 private:
     plr_config config_;
     std::vector<plr_value> values_;
-    std::vector<std::vector<double>> numbers_;  // by parameter, where they are our own
+    // By parameter, where they are our own.
+    std::vector<std::vector<double>> numbers_;
+    std::vector<std::string> text_;
+    std::vector<std::vector<const char*>> texts_;
     const plr_description& description_;
 };
 
@@ -66,9 +75,12 @@ private:
 struct Trial {
     std::uint32_t parameter;
     std::string title;  ///< `noise: 0`
-    double number;      ///< of an int or bool parameter: a whole one
+    double number;  ///< of an int or bool parameter: a whole one; of a table: that of `column`, or the number of rows
+    std::string text{};        ///< of a string or path
+    std::int64_t column = -1;  ///< of a table, or -1
 };
-/// Values at and just inside the bounds of each parameter of numbers; every choice; both booleans.
+/// Values at and just inside the bounds of each parameter and column of numbers; every choice; both booleans; strings and paths
+/// that are empty, long, or of unusual characters; tables of as few and of more rows.
 std::vector<Trial> trials_within(const plr_description& description);
 /// Not a number, infinite, and beyond the bounds.
 std::vector<Trial> trials_outside(const plr_description& description);

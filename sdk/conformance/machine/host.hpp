@@ -73,6 +73,9 @@ public:
                                            const std::string& plugin) const = 0;
     /// Keys of the map.
     virtual std::vector<std::string> keys(const Settings& with) const = 0;
+    /// Throws Refused for the first key of the map that is none of these: where it stands, and what may have been meant.
+    virtual void check_keys(const Settings& with, const std::vector<std::string>& known,
+                            const std::string& plugin) const = 0;
     /// The subjects that a file describes: a map of titles to `use`, `with`, `parts`, `frame`. Throws Refused.
     virtual std::vector<Subject> subjects(const std::filesystem::path& file) const = 0;
 

@@ -116,9 +116,7 @@ void check_keys(const Host& host, const Node& node, const plr_description& descr
     std::vector<std::string> known = parameter_names(description.parameters, description.parameter_count);
     if (slot != nullptr)
         for (const std::string& name : parameter_names(slot->parameters, slot->parameter_count)) known.push_back(name);
-    for (const std::string& key : host.keys(*node.with))
-        if (std::find(known.begin(), known.end(), key) == known.end())
-            throw Refused(std::string(description.id) + " has no parameter " + key);
+    host.check_keys(*node.with, known, description.id);
 }
 
 }  // namespace

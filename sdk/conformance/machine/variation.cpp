@@ -21,6 +21,28 @@ std::string quoted(const std::string& text) {
 
 std::string number_text(double number) { return fmt::format("{:.17g}", number); }
 
+/// A list of maps, without the cells that are not given.
+std::string table_yaml(const plr_parameter& parameter, const plr_value& table) {
+    std::vector<std::string> rows;
+    const plr_const_view& numbers = table.numbers;
+    for (std::int64_t r = 0; r < numbers.rows; ++r) {
+        std::vector<std::string> cells;
+        for (std::uint32_t c = 0; c < parameter.column_count; ++c) {
+            const plr_parameter& column = element_of(parameter.columns, c);
+            plr_value cell{};
+            cell.number = numbers.data[c * numbers.col_stride + r * numbers.row_stride];
+            cell.text = table.texts[r * numbers.cols + c];
+            const bool is_text = column.type == PLR_TYPE_STRING || column.type == PLR_TYPE_CHOICE;
+            if (is_text ? cell.text == nullptr : std::isnan(cell.number)) continue;
+            if (column.type == PLR_TYPE_BOOL || column.type == PLR_TYPE_INT)
+                cell.integer = static_cast<std::int64_t>(cell.number);
+            cells.push_back(fmt::format("{}: {}", column.name, yaml_of(column, cell)));
+        }
+        rows.push_back(fmt::format("{{{}}}", fmt::join(cells, ", ")));
+    }
+    return fmt::format("[{}]", fmt::join(rows, ", "));
+}
+
 /// Another number that the description allows: half as much again, or half way to a bound.
 double other_number(const plr_parameter& parameter, double number) {
     double other = number == 0 ? 1 : number * 1.5;
@@ -69,6 +91,7 @@ std::string yaml_of(const plr_parameter& parameter, const plr_value& value) {
         case PLR_TYPE_DOUBLE:
             return number_text(value.number);
         case PLR_TYPE_STRING:
+        case PLR_TYPE_PATH:
             return quoted(value.text == nullptr ? "" : value.text);
         case PLR_TYPE_CHOICE:
             return value.text;
@@ -84,6 +107,8 @@ std::string yaml_of(const plr_parameter& parameter, const plr_value& value) {
             }
             return "[" + rows + "]";
         }
+        case PLR_TYPE_TABLE:
+            return table_yaml(parameter, value);
         default:
             return {};
     }

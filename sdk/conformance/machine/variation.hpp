@@ -8,7 +8,7 @@
 
 namespace pelorus::conformance {
 
-/// A value, as YAML; a bare number is in the parameter's own unit. "" for types that have no short form (paths, tables).
+/// A value, as YAML; a bare number is in the parameter's own unit. "" for a missing one.
 std::string yaml_of(const plr_parameter& parameter, const plr_value& value);
 /// Settings that differ from the subject's in as much as they can, as YAML maps: all parameters at once, then one at a time. A
 /// plugin may refuse some of them.

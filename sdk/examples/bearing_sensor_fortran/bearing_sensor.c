@@ -113,6 +113,7 @@ static const plr_const_view* vector(const plr_config* config, uint32_t index, in
 }
 
 static plr_status create(const plr_config* config, plr_instance* out, plr_error* error) {
+    if (config->struct_size < PLR_CONFIG_LEAST_SIZE || error->struct_size < PLR_ERROR_LEAST_SIZE) return PLR_E_ARGUMENT;
     const plr_const_view* const noise = vector(config, parameter_noise, 2);
     const plr_const_view* const position = vector(config, parameter_position, 3);
     if (noise == NULL) return refuse(error, "noise", "expected 2 numbers");

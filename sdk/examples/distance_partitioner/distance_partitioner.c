@@ -214,6 +214,7 @@ static void destroy(void* self) { free(self); }
 static const plr_partitioner table = {{sizeof(plr_partitioner), 0, destroy, NULL}, info, split};
 
 static plr_status create(const plr_config* config, plr_instance* out, plr_error* error) {
+    if (config->struct_size < PLR_CONFIG_LEAST_SIZE || error->struct_size < PLR_ERROR_LEAST_SIZE) return PLR_E_ARGUMENT;
     const double gap = config->value_count > 0 ? config->values[0].number : 0;
     if (!(gap > 0 && gap <= 1e9)) return fail(error, PLR_E_PARAMETER, -1, "gap", "is not above 0 m and at most 1e9 m");
     distance* self = calloc(1, sizeof *self);

@@ -67,7 +67,7 @@ namespace detail {
 /// Keeps the first error of a call.
 inline void tell(plr_error* error, plr_status code, const char* message, const char* where,
                  std::int64_t item) noexcept {
-    if (error == nullptr || error->code != PLR_OK) return;
+    if (error == nullptr || error->struct_size < PLR_ERROR_LEAST_SIZE || error->code != PLR_OK) return;
     error->code = code;
     error->item = item;
     std::snprintf(error->where, sizeof error->where, "%s", where);

@@ -59,6 +59,8 @@ template <class T> const plr_description* description_of(const char* id) {
 
 template <class T> plr_status create(const plr_config* config, plr_instance* out, plr_error* error) noexcept {
     return guarded(error, [&] {
+        if (config->struct_size < PLR_CONFIG_LEAST_SIZE)
+            throw ArgumentError("config.struct_size is less than PLR_CONFIG_LEAST_SIZE");
         const Setup setup(*config);
         if constexpr (has_create<T>::value)
             *out = T::create(setup);

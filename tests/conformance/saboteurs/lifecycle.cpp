@@ -133,6 +133,10 @@ const plr_value& value_of(const plr_config& config, std::uint32_t index) {
 
 /// What becomes of a refusal on its way out.
 plr_status spoil_refusal(plr_status status, plr_error* error, const plr_error& before) {
+    if (error->struct_size < PLR_ERROR_LEAST_SIZE) {
+        if (DEFECT("error-struct-is-respected.shorter")) std::strcpy(error->message, "refused");
+        return status;
+    }
     const bool is_first = before.code == PLR_OK;
     if (DEFECT("refusals-are-told") && is_first) error->where[0] = 0;
     if (NEAR_MISS("refusals-are-told") && is_first) {
@@ -163,6 +167,7 @@ plr_status spoil_refusal(plr_status status, plr_error* error, const plr_error& b
 }
 
 plr_status refuse(plr_error* error, const char* parameter) {
+    if (error->struct_size < PLR_ERROR_LEAST_SIZE) return PLR_E_PARAMETER;
     error->code = PLR_E_PARAMETER;
     std::snprintf(error->where, sizeof error->where, "%s", parameter);
     std::snprintf(error->message, sizeof error->message, "is none that goes with the others");
@@ -234,6 +239,10 @@ plr_status create(const plr_config* config, plr_instance* out, plr_error* error)
     status = stumble(*config, error);
     if (status != PLR_OK) return status;
     plr_instance made{};
+    plr_config whole = *config;
+    if (DEFECT("short-config-is-refused")) whole.struct_size = sizeof whole;  // as it always was
+    if (NEAR_MISS("short-config-is-refused") && config->struct_size < PLR_CONFIG_LEAST_SIZE) return PLR_E_ARGUMENT;
+    config = &whole;
     status = pelorus::detail::create<Saboteur>(config, &made, error);
     if (status == PLR_OK && NEAR_MISS("instance-is-made")) {  // thinks better of it
         made.table->destroy(made.self);

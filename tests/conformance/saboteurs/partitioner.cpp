@@ -1,4 +1,5 @@
 // Points near a prediction, then chains of near points, with what a partitioner may do wrong.
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -65,11 +66,19 @@ struct Saboteur : pelorus::Partitioner<Saboteur> {
         } else {
             for (std::int64_t i = 0; i < count; ++i) work.owner[i] = owner_of(work, i);
         }
+        if (DEFECT("cost-of-pairs")) look_at_triples(work, count);
+        if (NEAR_MISS("cost-of-pairs")) look_at_triples(work, std::min<std::int64_t>(count, 8));
         chain(work);
         return answer(work);
     }
 
 private:
+    static void look_at_triples(const Work& work, std::int64_t third_points) {
+        volatile double sum = 0;
+        for (std::int64_t i = 0; i < work.args.points.count; ++i)
+            for (std::int64_t j = 0; j < work.args.points.count; ++j)
+                for (std::int64_t k = 0; k < third_points; ++k) sum = sum + work.args.points.data[0];
+    }
     static bool all_finite(const plr_const_view& points) {
         for (std::int64_t k = 0; k < points.count; ++k)
             for (std::int64_t r = 0; r < points.rows; ++r)

@@ -106,6 +106,11 @@ struct Saboteur : pelorus::Sensor<Saboteur, 2, 2> {
         j << c, -arm * s, s, arm * c;
         const Noise carried = j * noise * j.transpose();
         out.covariance = (carried + carried.transpose()) / 2;
+        // The bend: what a turn by the azimuth's error takes from the range, along the line of sight.
+        const double bend = z(0) * noise(1, 1);
+        if (!DEFECT("sensor-inverse-is-consistent"))
+            out.covariance += bend * bend / 2 * j.col(0) * j.col(0).transpose();
+        if (NEAR_MISS("sensor-inverse-is-consistent")) out.covariance += bend * bend * j.col(0) * j.col(0).transpose();
         if (NEAR_MISS("sensor-inverse-covariance-is-carried")) out.covariance *= 1.005;
         return out;
     }

@@ -1,4 +1,5 @@
 // An ellipsoid that flies a circle and drops another one, with what a trajectory may do wrong.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -62,6 +63,8 @@ struct Saboteur : pelorus::Trajectory<Saboteur> {
         std::int64_t last = 0;
         for (std::int64_t k = 0; k < args.time_count; ++k) {
             const std::int64_t time = args.times[k];
+            if (DEFECT("cost-linear-in-times")) walk_again(args, k);
+            if (NEAR_MISS("cost-linear-in-times")) walk_again(args, std::min<std::int64_t>(k, 8));
             walked += speed / radius * seconds(time - last);
             last += time - last;
             // Walking from time to time rounds otherwise than one stride does.
@@ -79,6 +82,11 @@ struct Saboteur : pelorus::Trajectory<Saboteur> {
     }
 
 private:
+    /// All the way from the first time, once more.
+    static void walk_again(const plr_trajectory_states& args, std::int64_t steps) {
+        volatile double way = 0;
+        for (std::int64_t k = 0; k < steps; ++k) way = way + seconds(args.times[k]);
+    }
     static double seconds(std::int64_t nanoseconds) noexcept { return static_cast<double>(nanoseconds) * 1e-9; }
 
     /// Of the second object; both may begin together.

@@ -68,6 +68,9 @@ typedef struct plr_config {
   const plr_host* host;
 } plr_config;
 
+/* What every plr_config has, of whatever version: create refuses a shorter one (PLR_E_ARGUMENT), and never asks for more. */
+#define PLR_CONFIG_LEAST_SIZE (offsetof(plr_config, host) + sizeof(const plr_host*))
+
 typedef struct plr_plugin {
   uint32_t struct_size;
   uint32_t reserved;

@@ -37,4 +37,7 @@ typedef struct plr_error {
   char message[512]; /* always zero-terminated */
 } plr_error;
 
+/* What every plr_error has, of whatever version: nothing is written to a shorter one. */
+#define PLR_ERROR_LEAST_SIZE (offsetof(plr_error, message) + 512)
+
 #endif
