@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <Eigen/Dense>
@@ -110,6 +111,13 @@ TEST_CASE("simulation: a run of a year at 1 MHz begins at once", "[simulation]")
     const auto seen = run.seen("r");
     REQUIRE(seen.size() == 200);
     CHECK(seen.back().time == 199'000);
+}
+
+TEST_CASE("simulation: a tick that ns cannot count never comes", "[simulation]") {
+    CHECK(simulation::Clock(5e9).time(2) == std::numeric_limits<std::int64_t>::max());
+    Simulated run("{duration: 8e9 s, period: 5e9 s}", {target("a", dot), radar("r", "{}")});
+    run.source->run();
+    CHECK(run.seen("r").size() == 2);
 }
 
 TEST_CASE("simulation: scans counts k = 0, duration tells the last tick, a sensor may have its own period",

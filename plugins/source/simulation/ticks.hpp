@@ -17,7 +17,9 @@ class Clock {
 public:
     explicit Clock(double period_seconds) : period_(period_seconds * 1e9) {}
     std::int64_t time(std::uint64_t tick) const noexcept {
-        return std::llround(static_cast<long double>(tick) * static_cast<long double>(period_));
+        constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+        const long double exact = static_cast<long double>(tick) * static_cast<long double>(period_);
+        return exact < static_cast<long double>(never) ? std::llround(exact) : never;
     }
 
     /// In ns.
