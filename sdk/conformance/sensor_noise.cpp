@@ -309,7 +309,7 @@ PELORUS_CHECK(
                 done.errors.col(k).dot(done.covariances[static_cast<std::size_t>(k)].ldlt().solve(done.errors.col(k))) /
                 static_cast<double>(done.errors.cols());
         // A conversion is unbiased about the true place or about the measured one, not both (Longbin et al., "Unbiased converted
-        // measurements for tracking", 1998): what is right for the one has 1.5 (one angle) to 2.3 times (two) the error of the other.
+        // measurements for tracking", 1998): what is right for the one has 2 (one angle) to 2.3 times (two) the error of the other.
         const double each = mean / trial.inverse.size();
         const std::string told = fmt::format(
             "invert: squared errors over the covariance told are {:.2f} on average for {} components, over "
