@@ -101,8 +101,8 @@ PELORUS_CHECK(
 
 PELORUS_CHECK(every, "short-config-is-refused", 2,
               "A config whose struct_size is less than PLR_CONFIG_LEAST_SIZE is refused, whoever made it: what lies "
-              "behind its end "
-              "is not the host's word. A longer one, if not as long as the plugin's own, is that of an earlier host.",
+              "behind its end is not the host's word. A longer one, if not as long as the plugin's own, is that of an "
+              "earlier host.",
               {"instance-is-accepted"}) {
     const auto holder = bench.make();
     for (const std::size_t size : {std::size_t{8}, offsetof(plr_config, parts), PLR_CONFIG_LEAST_SIZE - 8}) {

@@ -55,8 +55,7 @@ PELORUS_CHECK(
     every, "bounds-are-survived", 2,
     "Values at the bounds that a parameter or column declares, and just inside them, make an instance or are refused, "
     "and so do strings and paths of any kind and tables of few and many rows; there lie divisions by zero, empty "
-    "ranges "
-    "and buffers that are too short.",
+    "ranges and buffers that are too short.",
     {"instance-is-accepted"}) {
     const auto holder = bench.make();
     const std::vector<Trial> trials = trials_within(bench.description());
