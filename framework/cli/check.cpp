@@ -1,6 +1,7 @@
 // `pelorus check`: builds the graph and runs nothing.
 #include <fmt/format.h>
 
+#include "campaign/prepare.hpp"
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
 #include "cli/draw/graph_json.hpp"
@@ -34,10 +35,18 @@ std::string edge_text(const graph::Graph& graph, const graph::Edge& edge) {
 int check(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
     const graph::Document document = load_document(line);
-    const graph::Graph graph = graph::Graph::build(document, catalog, {});
+    const campaign::Prepared prepared = campaign::prepare(
+        document, read_selection(line),
+        [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });
+    const graph::Graph& graph = *prepared.first;
+    const campaign::Plan& plan = prepared.plan;
     if (line.has("json")) {
         Json json{{"config", line.argument(0)}};
         json.update(graph_json(graph));
+        if (!plan.is_single_run()) {
+            json["campaign"] = campaign::campaign_json(plan);
+            json["campaign"]["runs"] = plan.runs;
+        }
         print_json(json);
         return static_cast<int>(Exit::done);
     }
@@ -48,8 +57,12 @@ int check(const CommandLine& line) {
             if (edge.to == i) edges += (edges.empty() ? "" : ", ") + edge_text(graph, edge);
         rows.push_back({graph.nodes()[i].name, graph.nodes()[i].plugin->file.id, edges});
     }
-    print(fmt::format("{}: good: {}, {}, {}\n{}", line.argument(0), counted(graph.nodes().size(), "node"),
-                      counted(graph.edges().size(), "edge"), counted(graph.plugins().size(), "plugin"),
+    const std::string campaign = plan.is_single_run()
+                                     ? ""
+                                     : fmt::format(", {} of {}", counted(plan.cells.size(), "cell"),
+                                                   counted(static_cast<std::size_t>(plan.runs), "run"));
+    print(fmt::format("{}: good: {}, {}, {}{}\n{}", line.argument(0), counted(graph.nodes().size(), "node"),
+                      counted(graph.edges().size(), "edge"), counted(prepared.plugins.size(), "plugin"), campaign,
                       aligned(rows, 2)));
     return static_cast<int>(Exit::done);
 }
@@ -58,12 +71,13 @@ int check(const CommandLine& line) {
 
 Command check_command() {
     std::vector<Flag> flags = config_flags();
+    for (const Flag& flag : campaign_flags()) flags.push_back(flag);
     flags.push_back({"json", "", "the nodes, edges and plugins, or the problems, as JSON"});
     return {"check",
             "check wiring and values of a config, run nothing",
             "Reads CONFIG, loads the plugins that it names, checks every key and value against what the plugins say of "
             "themselves, makes all instances and joins the nodes. All that is wrong is told at once, one line each, "
-            "FILE:LINE:COLUMN: what was expected.",
+            "FILE:LINE:COLUMN: what was expected. Of a campaign, the config of every cell is checked, and the first one's graph told.",
             {{"CONFIG"}, flags, {}},
             {{"pelorus check configs/airship.yaml", "is it good?"},
              {"pelorus check c.yaml --set 'tracker.estimator.motion=~'", "is it still, without that part?"}},

@@ -52,7 +52,7 @@ std::string missing_value(const std::string& command, const Grammar& grammar,
 std::string usage(const std::string& command, const Grammar& grammar) {
     std::string text = "pelorus " + command;
     for (const std::string& argument : grammar.arguments) text += " " + argument;
-    return text;
+    return text + (grammar.last_repeats ? "..." : "");
 }
 
 /// Why there may be an argument too many: `--set world.period 2s` for `--set world.period=2s`, or a value in two words.
@@ -110,7 +110,7 @@ CommandLine CommandLine::parse(const std::string& command, const Grammar& gramma
     if (line.arguments_.size() < wanted)
         refuse(fmt::format("{}: {} is missing; usage: {}", command, grammar.arguments[line.arguments_.size()],
                            usage(command, grammar)));
-    if (line.arguments_.size() > wanted)
+    if (line.arguments_.size() > wanted && !grammar.last_repeats)
         refuse(fmt::format("{}: unexpected argument '{}' ({}); usage: {}", command, line.arguments_[wanted],
                            left_over_hint(line, grammar), usage(command, grammar)));
     return line;

@@ -25,6 +25,7 @@ struct Grammar {
     std::vector<Flag> flags;
     std::vector<AbsentFlag> absent;
     std::string without_arguments = {};  ///< a flag with which no argument is wanted, or ""
+    bool last_repeats = false;           ///< the last argument may be given several times
 };
 
 class CommandLine {
@@ -34,6 +35,7 @@ public:
 
     bool wants_help() const { return has("help"); }
     const std::string& argument(std::size_t index) const { return arguments_[index]; }
+    const std::vector<std::string>& arguments() const { return arguments_; }
     bool has(const std::string& flag) const { return flags_.count(flag) != 0; }
     /// Of a flag that does not repeat.
     std::string value(const std::string& flag, const std::string& otherwise = {}) const;

@@ -29,6 +29,21 @@ std::vector<Flag> config_flags() {
             {"log-level", "LEVEL", "trace, debug, info (default), warning or error"}};
 }
 
+std::vector<Flag> campaign_flags() {
+    return {{"variant", "V", "that variant of the campaign, and no other that is not named as well", true},
+            {"runs", "N", "runs of each variant and grid point, instead of the campaign's runs"}};
+}
+
+campaign::Selection read_selection(const CommandLine& line) {
+    constexpr std::uint64_t most = 1'000'000'000;
+    campaign::Selection selection;
+    selection.variants = line.values("variant");
+    if (!line.has("runs")) return selection;
+    selection.runs = line.number("runs", 1, most);
+    if (*selection.runs == 0) throw Error(Exit::misuse, "--runs: expected a whole number from 1 to 1000000000, got '0'");
+    return selection;
+}
+
 std::vector<fs::path> plugin_folders(const CommandLine& line) {
     std::vector<fs::path> folders;
     for (const std::string& folder : line.values("plugins")) {

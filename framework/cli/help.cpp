@@ -49,6 +49,7 @@ const HelpRows& overview_examples() {
 std::string synopsis(const Command& command) {
     std::string text = command.name;
     for (const std::string& argument : command.grammar.arguments) text += " " + argument;
+    if (command.grammar.last_repeats) text += "...";
     return text;
 }
 

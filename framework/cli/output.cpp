@@ -13,18 +13,13 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
+#include "report/text_width.hpp"
 
 namespace pelorus::cli {
 
 namespace {
 
 constexpr std::size_t line_width = 100;
-
-/// Characters as a terminal shows them: bytes that continue a UTF-8 character take no place.
-std::size_t width(const std::string& text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
 
 /// Whether all of it was taken; errno says why not.
 bool write_all(int descriptor, const std::string& text) {
@@ -69,14 +64,14 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows, std::size
     for (const auto& row : rows)
         for (std::size_t i = 0; i < row.size(); ++i) {
             if (i == widths.size()) widths.push_back(0);
-            if (i + 1 < row.size()) widths[i] = std::max(widths[i], width(row[i]));
+            if (i + 1 < row.size()) widths[i] = std::max(widths[i], report::text_width(row[i]));
         }
     std::string text;
     for (const auto& row : rows) {
         std::string line(indent, ' ');
         for (std::size_t i = 0; i < row.size(); ++i) {
             line += row[i];
-            if (i + 1 < row.size()) line += std::string(widths[i] - width(row[i]) + 2, ' ');
+            if (i + 1 < row.size()) line += std::string(widths[i] - report::text_width(row[i]) + 2, ' ');
         }
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + '\n';
@@ -89,7 +84,7 @@ std::string wrapped(const std::string& paragraph, std::size_t indent) {
     std::string text, line, word;
     std::istringstream words(paragraph);
     while (words >> word) {
-        if (!line.empty() && indent + width(line) + 1 + width(word) > line_width) {
+        if (!line.empty() && indent + report::text_width(line) + 1 + report::text_width(word) > line_width) {
             text += margin + line + '\n';
             line.clear();
         }

@@ -1,13 +1,19 @@
-// `pelorus run`: one config, one run, one result folder.
+// `pelorus run`: one config, its run or its campaign, one result folder.
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "campaign/prepare.hpp"
+#include "campaign/ranks.hpp"
+#include "campaign/store.hpp"
+#include "cli/campaign.hpp"
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
 #include "cli/crash.hpp"
@@ -36,9 +42,14 @@ struct Request {
     std::optional<fs::path> resume;
     std::optional<std::int64_t> snapshot_at;  // ns
     bool stop_at_snapshot = false;
-    unsigned threads = 1;
+    std::optional<unsigned> threads;
     host::GuardMode guard = host::GuardMode::start;
+    std::optional<std::uint64_t> run;   // that one alone
+    std::optional<std::uint64_t> cell;  // whose run
+    std::size_t part = 1, parts = 1;    // of the campaign's cells
 };
+
+constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 
 std::int64_t read_time(const std::string& flag, const std::string& text) {
     try {
@@ -48,18 +59,41 @@ std::int64_t read_time(const std::string& flag, const std::string& text) {
     }
 }
 
+/// `3/8`: the third of eight parts.
+void read_part(const std::string& text, Request& request) {
+    const std::size_t slash = text.find('/');
+    const auto number = [&](std::size_t from, std::size_t to, std::size_t& into) {
+        const auto [end, problem] = std::from_chars(text.data() + from, text.data() + to, into);
+        return problem == std::errc() && end == text.data() + to && from < to;
+    };
+    if (slash == std::string::npos || !number(0, slash, request.part) ||
+        !number(slash + 1, text.size(), request.parts) || request.part < 1 || request.part > request.parts)
+        throw Error(Exit::misuse, "--cells: expected I/N, the I-th of N parts (1/8 to 8/8), got '" + text + "'");
+}
+
 Request read_request(const CommandLine& line) {
     Request request;
     if (line.has("resume")) request.resume = line.value("resume");
-    const fs::path by_name = fs::path("results") / fs::path(line.argument(0)).stem();
-    request.out = line.value("out", line.value("resume", by_name.string()));
+    std::string by_name = (fs::path("results") / fs::path(line.argument(0)).stem()).string();
+    // A run out of a campaign does not go into the campaign's folder.
+    for (const char* flag : {"cell", "run"})
+        if (line.has(flag)) by_name += std::string("-") + flag + '-' + line.value(flag);
+    request.out = line.value("out", line.value("resume", by_name));
     if (request.out.empty()) throw Error(Exit::misuse, "--out: expected a folder, got nothing");
     if (line.has("snapshot-at")) request.snapshot_at = read_time("snapshot-at", line.value("snapshot-at"));
     request.stop_at_snapshot = line.has("stop-at-snapshot");
     if (request.stop_at_snapshot && !request.snapshot_at)
         throw Error(Exit::misuse, "--stop-at-snapshot: --snapshot-at TIME is missing");
     request.guard = host::guard_mode(line.value("guard", "start"));
-    request.threads = static_cast<unsigned>(line.number("threads", 1, 1024));
+    if (line.has("threads")) request.threads = static_cast<unsigned>(line.number("threads", 1, 1024));
+    if (line.has("run")) request.run = line.number("run", 0, most);
+    if (line.has("cell")) request.cell = line.number("cell", 0, most);
+    if (request.cell && !request.run) throw Error(Exit::misuse, "--cell: --run R is missing: which run of the cell?");
+    if (line.has("cells")) read_part(line.value("cells"), request);
+    if (request.run)
+        for (const char* flag : {"cells", "runs"})
+            if (line.has(flag))
+                throw Error(Exit::misuse, std::string("--run: one run alone has no --") + flag);
     return request;
 }
 
@@ -72,16 +106,6 @@ std::vector<unsigned char> read_snapshot(const fs::path& folder) {
     std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(stream), {}};
     if (stream.bad()) throw Error(Exit::run_failed, "--resume: cannot read " + file.string());
     return bytes;
-}
-
-/// What an earlier run has left here must not be taken for this one's if it comes to a bad end.
-void remove_old_results(const fs::path& folder) {
-    for (const char* name : {"summary.json", "provenance.json", "timing.json"}) {
-        std::error_code reason;
-        fs::remove(folder / name, reason);
-        if (reason)
-            throw Error(Exit::run_failed, "cannot replace " + (folder / name).string() + ": " + reason.message());
-    }
 }
 
 struct Ending {
@@ -151,20 +175,50 @@ nlohmann::ordered_json result_json(const CommandLine& line, const Request& reque
     return json;
 }
 
-int run(const CommandLine& line) {
-    const Request request = read_request(line);
-    Interrupt interrupt;  // from here on: a graph may take its time to be made
-    host::Catalog catalog(plugin_folders(line));
-    const graph::Document document = load_document(line);
+/// The config of one run.
+struct OneRun {
+    graph::Document document;
+    std::optional<campaign::Cell> from;  // whose variant and sweep it has
+};
+
+/// Of `--run`: the run of a cell that is named; without one, of the graph as it stands, with the overrides of a variant that is
+/// named.
+OneRun chosen_run(const graph::Document& document, const campaign::Selection& selection, const Request& request) {
+    graph::Problems problems;
+    const campaign::Plan plan = campaign::plan_cells(document, selection, problems);
+    if (!problems.empty() && selection.variants.empty() && !request.cell) return {document, {}};  // told by the check
+    problems.raise();
+    if (request.cell) {
+        if (*request.cell >= plan.cells.size())
+            throw Error(Exit::misuse, fmt::format("--cell: there are cells 0 to {}, got {}", plan.cells.size() - 1,
+                                                  *request.cell));
+        const campaign::Cell& cell = plan.cells[static_cast<std::size_t>(*request.cell)];
+        return {campaign::document_of(document, cell), cell};
+    }
+    if (selection.variants.size() > 1)
+        throw Error(Exit::misuse, "--run: one run has one variant; --variant is given " +
+                                      std::to_string(selection.variants.size()) + " times");
+    if (selection.variants.empty()) return {document, {}};
+    campaign::Cell cell = plan.cells.front();
+    cell.sweep.clear();
+    return {campaign::document_of(document, cell), cell};
+}
+
+int run_once(const CommandLine& line, const Request& request, OneRun one, const graph::PluginFinder& finder,
+             Interrupt& interrupt) {
+    if (campaign::launched_rank() != 0) return static_cast<int>(Exit::done);  // one run is the business of one process
     graph::BuildOptions build;
-    build.threads = request.threads;
+    build.threads = request.threads.value_or(1);
     build.guard = request.guard;
+    build.run = request.run.value_or(0);
     build.output_folder = fs::absolute(request.out).lexically_normal().string();
-    graph::Graph graph = graph::Graph::build(document, catalog, build);
+    graph::Graph graph = graph::Graph::build(one.document, finder, build);
     runtime::Runtime runtime(graph);
     if (request.resume) runtime.restore(read_snapshot(*request.resume));
     report::prepare_folder(request.out);
-    remove_old_results(request.out);
+    if (fs::exists(campaign::campaign_file(request.out)))
+        throw Error(Exit::misuse, request.out.string() + " holds a campaign; name another folder with --out");
+    report::remove_results(request.out);
 
     const CrashFolder crash_folder(request.out);
     const Ending ending = run_to_end(runtime, request, interrupt);
@@ -172,17 +226,21 @@ int run(const CommandLine& line) {
     report::RunContext context;
     context.config = line.argument(0);
     context.stopped = ending.outcome == runtime::Outcome::stopped;
+    report::Cell cell = report::cell_of_run(runtime.results());
+    if (one.from) {
+        cell.variant = one.from->variant;
+        cell.sweep = campaign::sweep_json(*one.from, graph.resolved());
+    }
     Exit exit = tell_ending(ending, request, interrupt);
     std::string files;
     try {
-        report::write_result_folder(request.out, graph, runtime.results(), timings, context);
+        report::write_result_folder(request.out, graph, cell, timings, context);
         files = report::file_line(request.out);
     } catch (const Error& problem) {  // the figures are printed all the same
         tell(std::string(problem.what()) + "; the figures are printed, but not all of them are kept");
         exit = Exit::run_failed;
     }
     tell_raw(report::counter_lines(timings));
-    const report::Cell cell = report::cell_of_run(runtime.results());
     if (line.has("json"))
         print_json(result_json(line, request, ending, cell));
     else
@@ -190,21 +248,72 @@ int run(const CommandLine& line) {
     return static_cast<int>(exit);
 }
 
+CampaignRequest campaign_request(const CommandLine& line, const Request& request) {
+    CampaignRequest made;
+    made.out = request.out;
+    made.resume = request.resume.has_value();
+    made.threads = request.threads.value_or(0);
+    made.guard = request.guard;
+    made.part = request.part;
+    made.parts = request.parts;
+    if (request.snapshot_at)
+        throw Error(Exit::misuse, "--snapshot-at: this is a campaign, which keeps what is finished by itself; a run of it "
+                                  "alone, with --run R, can be snapshotted");
+    if (request.resume && line.has("out") && request.out != *request.resume)
+        throw Error(Exit::misuse, "--resume: a campaign goes on in its own folder; leave --out away");
+    return made;
+}
+
+int run_here(const CommandLine& line) {
+    const Request request = read_request(line);
+    Interrupt interrupt;  // from here on: a graph may take its time to be made
+    host::Catalog catalog(plugin_folders(line));
+    const graph::Document document = load_document(line);
+    const graph::PluginFinder finder = [&catalog](const std::string& id) -> const host::LoadedPlugin& {
+        return catalog.load(id);
+    };
+    const campaign::Selection selection = read_selection(line);
+    if (request.run) return run_once(line, request, chosen_run(document, selection, request), finder, interrupt);
+    graph::Problems problems;
+    const campaign::Plan plan = campaign::plan_cells(document, selection, problems);
+    const bool is_campaign = !problems.empty() || !plan.is_single_run() || line.has("cells");
+    if (!is_campaign) {
+        const campaign::Cell& cell = plan.cells.front();
+        return run_once(line, request, {campaign::document_of(document, cell), cell}, finder, interrupt);
+    }
+    campaign::Prepared prepared = campaign::prepare(document, selection, finder);
+    return run_campaign(line, campaign_request(line, request), document, finder, prepared, interrupt);
+}
+
+int run(const CommandLine& line) {
+    if (campaign::launched_rank() == 0) return run_here(line);
+    try {
+        return run_here(line);
+    } catch (const Error& problem) {  // rank 0 meets the same, and tells it
+        return static_cast<int>(problem.exit());
+    }
+}
+
 }  // namespace
 
 Command run_command() {
     std::vector<Flag> flags = config_flags();
     flags.insert(flags.begin(), {"out", "DIR", "the result folder, instead of ./results/CONFIG-NAME"});
-    flags.push_back({"threads", "N", "threads that plugins share (1 unless given, 0: one a core); same results"});
+    for (const Flag& flag : campaign_flags()) flags.push_back(flag);
+    flags.push_back({"cells", "I/N", "the I-th of N parts of the campaign's cells; `pelorus merge` joins them"});
+    flags.push_back({"run", "R", "run number R alone: of the graph as it stands, with --variant V of that variant"});
+    flags.push_back({"cell", "K", "with --run: of the campaign's cell K"});
+    flags.push_back({"threads", "N",
+                     "of a campaign: runs at a time (one a core unless given); of one run: threads that plugins share (1 "
+                     "unless given); 0: one a core; same results"});
     flags.push_back(
         {"guard", "MODE",
          "which calls of models are checked against the contract: off, start (default: the first 16 of each "
          "function), all; same results"});
     flags.push_back({"snapshot-at", "TIME", "write the whole run's state at that time (50s) into the result folder"});
     flags.push_back({"stop-at-snapshot", "", "and end the run there"});
-    flags.push_back({"resume", "DIR", "go on from the snapshot in DIR, with the same CONFIG and --set"});
+    flags.push_back({"resume", "DIR", "go on from the snapshot, or with the campaign, in DIR, with the same CONFIG and --set"});
     flags.push_back({"json", "", "the figures and the names of the files as JSON"});
-    const std::string campaigns = "comes with campaigns, which are not in this version";
     return {"run",
             "run a config, print its figures, write a result folder",
             "Checks CONFIG like `pelorus check`, runs it to its end and writes summary.json, provenance.json and "
@@ -213,13 +322,20 @@ Command run_command() {
             "The same config, seed and binaries give the same summary.json, byte for byte: with any number of threads, "
             "and when a run is ended at a snapshot and resumed. A resumed run writes into the folder that it comes "
             "from, unless --out names another; a snapshot of another config is refused.\n\n"
+            "A config with `campaign:` is run many times: each variant at each point of the sweep. What is finished is kept; "
+            "the same command goes on with it after an interruption, --resume makes sure that it is the same campaign. Under "
+            "an MPI launcher all ranks share the work.\n\n"
             "Ctrl-C (SIGINT), SIGTERM or SIGHUP ends a run in an orderly way: results so far are kept, exit code 1. A "
             "second "
             "one ends it at once.",
-            {{"CONFIG"}, flags, {{"runs", "N", campaigns}, {"variant", "V", campaigns}}},
+            {{"CONFIG"}, flags, {}},
             {{"pelorus run configs/airship.yaml", "results in ./results/airship"},
              {"pelorus run c.yaml --set world.sensors.radar.noise=5m --out /tmp/r5", "another value, another folder"},
              {"pelorus run c.yaml --plugins ./build", "with a plugin that was just built"},
+             {"pelorus run c.yaml --variant koch --variant feldmann --runs 50", "two variants of a campaign, 50 runs each"},
+             {"pelorus run c.yaml --cell 17 --run 3", "one run of a campaign"},
+             {"pelorus run c.yaml --cells 2/8 --out part2", "the second of eight parts, for a job array"},
+             {"mpirun -n 16 pelorus run c.yaml", "on many processors"},
              {"pelorus run c.yaml --snapshot-at 50s --stop-at-snapshot", "half of it now ..."},
              {"pelorus run c.yaml --resume results/c", "... and the rest later"}},
             &run};

@@ -173,7 +173,7 @@ void Pipeline::write_results(bool stopped) {
     report::RunContext context;
     context.config = config_;
     context.stopped = stopped;
-    report::write_result_folder(options_.result_folder, *graph_, runtime_->results(),
+    report::write_result_folder(options_.result_folder, *graph_, report::cell_of_run(runtime_->results()),
                                 report::timings_of(*graph_, *runtime_, seconds_), context);
 }
 

@@ -60,6 +60,7 @@ void collect_plugins(const PartPlan& part, std::map<std::string, const host::Loa
 struct Graph::Implementation {
     Settings settings;
     std::uint64_t seed = 0;
+    std::uint64_t run = 0;
     std::string output_folder;
     host::GuardMode guard = host::GuardMode::start;
     host::FrameTree frames;
@@ -71,6 +72,12 @@ struct Graph::Implementation {
     nlohmann::ordered_json resolved;
     Instances instances;  // after all that they use: they are destroyed first
     std::vector<Node> nodes;
+
+    Implementation(const Document& document, const PluginFinder& finder, const BuildOptions& options)
+        : run(options.run), output_folder(options.output_folder), guard(options.guard) {
+        check(document, finder, options);
+        pool = std::make_unique<host::ThreadPool>(options.threads);
+    }
 
     /// Everything that can be said without making an instance.
     void check(const Document& document, const PluginFinder& finder, const BuildOptions& options) {
@@ -93,16 +100,19 @@ struct Graph::Implementation {
         resolved["graph"] = graph_json(plans, edges);
     }
 
-    void create(const BuildOptions& options) {
+    void destroy() noexcept {
+        nodes.clear();
+        streams.clear();
+        instances.clear();
+    }
+
+    void create() {
         Problems problems;
-        output_folder = options.output_folder;
-        guard = options.guard;
-        pool = std::make_unique<host::ThreadPool>(options.threads);
         for (const NodePlan& plan : plans) {
             const TreeContext context{{&frames, pool.get(), &output_folder, std::make_shared<host::FaultLatch>()},
-                                      host::node_key(seed, options.run, plan.name),
+                                      host::node_key(seed, run, plan.name),
                                       plan.frame.c_str(),
-                                      options.guard};
+                                      guard};
             Instance* instance = instances.create(*plan.part, context, problems);
             if (instance == nullptr) continue;
             Node node;
@@ -126,11 +136,24 @@ Graph Graph::build(const Document& document, host::Catalog& catalog, const Build
 }
 
 Graph Graph::build(const Document& document, const PluginFinder& finder, const BuildOptions& options) {
-    auto implementation = std::make_unique<Implementation>();
-    implementation->check(document, finder, options);
-    implementation->create(options);
+    auto implementation = std::make_unique<Implementation>(document, finder, options);
+    implementation->create();
     return Graph(std::move(implementation));
 }
+
+Graph Graph::plan(const Document& document, const PluginFinder& finder, const BuildOptions& options) {
+    return Graph(std::make_unique<Implementation>(document, finder, options));
+}
+
+void Graph::renew(const BuildOptions& options) {
+    implementation_->destroy();
+    implementation_->run = options.run;
+    implementation_->guard = options.guard;
+    implementation_->output_folder = options.output_folder;
+    implementation_->create();
+}
+
+void Graph::clear() noexcept { implementation_->destroy(); }
 
 Graph::Graph(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Graph::Graph(Graph&&) noexcept = default;
@@ -139,6 +162,7 @@ Graph::~Graph() = default;
 
 const std::string& Graph::title() const noexcept { return implementation_->settings.title; }
 std::uint64_t Graph::seed() const noexcept { return implementation_->seed; }
+std::uint64_t Graph::run() const noexcept { return implementation_->run; }
 const std::vector<Node>& Graph::nodes() const noexcept { return implementation_->nodes; }
 const std::vector<Edge>& Graph::edges() const noexcept { return implementation_->edges; }
 const std::vector<std::size_t>& Graph::order() const noexcept { return implementation_->order; }

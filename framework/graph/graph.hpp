@@ -58,16 +58,27 @@ public:
     /// Checks the whole document against the plugins' descriptions, creates all instances (parts before holders) and joins
     /// them. Throws ConfigError with everything found, each with file:line:column.
     ///
-    /// The catalog must outlive the graph. One run of the base config is built: `campaign:` is checked in its structure and otherwise left alone.
+    /// The catalog must outlive the graph. One run of the base config is built: `campaign:` is checked in its structure and
+    /// otherwise left alone.
     static Graph build(const Document& document, host::Catalog& catalog, const BuildOptions& options);
     /// The same with plugins from elsewhere than a catalog.
     static Graph build(const Document& document, const PluginFinder& finder, const BuildOptions& options);
+    /// Checks the document like build(), and makes no instance: nodes() is empty until the graph is renewed.
+    static Graph plan(const Document& document, const PluginFinder& finder, const BuildOptions& options);
+    /// Makes all instances anew, as build() makes them for another run of the same config: what was checked stays checked. Of the
+    /// options, `run`, `guard` and `output_folder` count. Throws ConfigError when a plugin refuses; the graph can only be renewed
+    /// again or destroyed then. [main], and no runtime of the graph may be left.
+    void renew(const BuildOptions& options);
+    /// Destroys all instances. [main], as above.
+    void clear() noexcept;
     Graph(Graph&&) noexcept;
     Graph& operator=(Graph&&) noexcept;
     ~Graph();
 
     const std::string& title() const noexcept;
     std::uint64_t seed() const noexcept;
+    /// Number of the run within a campaign cell.
+    std::uint64_t run() const noexcept;
     host::GuardMode guard() const noexcept;
     /// In file order.
     const std::vector<Node>& nodes() const noexcept;

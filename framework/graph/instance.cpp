@@ -178,7 +178,9 @@ private:
     std::int64_t size_ = 0;
 };
 
-Instances::~Instances() {
+Instances::~Instances() { clear(); }
+
+void Instances::clear() noexcept {
     while (!created_.empty()) created_.pop_back();
 }
 

@@ -67,6 +67,9 @@ public:
     /// problem under its place in the config. The plan must outlive this object.
     Instance* create(const PartPlan& stage, const TreeContext& context, Problems& problems);
 
+    /// Destroys them all, holders before parts.
+    void clear() noexcept;
+
     /// What stands in slots, in the order of creation.
     std::vector<plr_part> models() const;
 

@@ -1,7 +1,9 @@
 #include "graph/problems.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "graph/value.hpp"
 #include "host/plugin_error.hpp"
 
 namespace pelorus::graph {
@@ -68,6 +70,14 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
     else if (candidates.size() <= few)
         text += (near.empty() ? "; " : " ") + plural + ": " + join(candidates);
     return text;
+}
+
+void check_keys(const Value& map, const std::vector<std::string>& keys, const std::string& prefix, Problems& problems) {
+    for (const Value::Entry& entry : map.map) {
+        const bool is_free = prefix.empty() && entry.key.compare(0, 2, "x-") == 0;
+        if (!is_free && std::find(keys.begin(), keys.end(), entry.key) == keys.end())
+            problems.add(entry.where, prefix + "unknown key '" + entry.key + "'" + suggestion(entry.key, keys, "keys"));
+    }
 }
 
 std::string trimmed(const std::string& text) {

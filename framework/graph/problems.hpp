@@ -8,6 +8,8 @@
 
 namespace pelorus::graph {
 
+struct Value;
+
 class Problems {
 public:
     void add(const Location& where, std::string text);
@@ -27,6 +29,9 @@ std::string meant(const std::string& word, const std::vector<std::string>& candi
 
 /// `; did you mean 'noise'?` if a candidate is near, followed by the candidates (`; parameters: a, b`) if they are few.
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates, const std::string& plural);
+
+/// Tells the keys of a map that are none of `keys`, after `prefix`; without a prefix, keys that begin with `x-` are free.
+void check_keys(const Value& map, const std::vector<std::string>& keys, const std::string& prefix, Problems& problems);
 
 /// Without the blanks and tabs around it.
 std::string trimmed(const std::string& text);

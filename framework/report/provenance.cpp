@@ -63,15 +63,21 @@ Json build_facts() {
             {"libc", std::string("glibc ") + gnu_get_libc_version()}};
 }
 
+Json plugins_json(const std::vector<const host::LoadedPlugin*>& plugins) {
+    Json list = Json::array();
+    for (const host::LoadedPlugin* plugin : plugins)
+        list.push_back({{"id", plugin->file.id}, {"version", plugin->file.version}, {"sha256", plugin->sha256()}});
+    return list;
+}
+
 Json provenance(const graph::Graph& graph, const RunContext& context) {
     Json document{
         {"config_file", context.config}, {"title", graph.title()}, {"seed", graph.seed()}, {"runs", context.runs}};
+    if (graph.run() != 0) document["run"] = graph.run();
     document["completed"] = !context.stopped;
     document["host"] = build_facts();
-    document["plugins"] = Json::array();
-    for (const host::LoadedPlugin* plugin : graph.plugins())
-        document["plugins"].push_back(
-            {{"id", plugin->file.id}, {"version", plugin->file.version}, {"sha256", plugin->sha256()}});
+    document["plugins"] = plugins_json(context.plugins.empty() ? graph.plugins() : context.plugins);
+    if (!context.campaign.is_null()) document["campaign"] = context.campaign;
     document["config"] = graph.resolved();
     return document;
 }

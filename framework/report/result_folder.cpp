@@ -63,6 +63,15 @@ void prepare_folder(const std::filesystem::path& folder) {
     std::filesystem::remove(trial, reason);
 }
 
+void remove_results(const std::filesystem::path& folder) {
+    for (const char* name : {"summary.json", "provenance.json", "timing.json"}) {
+        std::error_code reason;
+        std::filesystem::remove(folder / name, reason);
+        if (reason)
+            throw Error(Exit::run_failed, "cannot replace " + (folder / name).string() + ": " + reason.message());
+    }
+}
+
 void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents) {
     prepare_folder(folder);
     Writer writer(folder);
@@ -72,9 +81,9 @@ void write_result_folder(const std::filesystem::path& folder, const ResultFolder
     writer.raise();
 }
 
-void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph,
-                         const runtime::Results& results, const Timings& timings, const RunContext& context) {
-    write_result_folder(folder, {summary({cell_of_run(results)}), provenance(graph, context), timing(timings)});
+void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph, const Cell& cell,
+                         const Timings& timings, const RunContext& context) {
+    write_result_folder(folder, {summary({cell}), provenance(graph, context), timing(timings)});
 }
 
 }  // namespace pelorus::report

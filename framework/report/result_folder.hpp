@@ -10,7 +10,6 @@
 #include "report/provenance.hpp"
 #include "report/summary.hpp"
 #include "report/timing.hpp"
-#include "runtime/result.hpp"
 
 namespace pelorus::report {
 
@@ -22,11 +21,14 @@ struct ResultFolder {
 /// a run, not after an hour. Throws Error (Exit::run_failed) with the path and the reason.
 void prepare_folder(const std::filesystem::path& folder);
 
+/// Takes away the JSON files of an earlier run: they must not be taken for this one's if it comes to a bad end. Throws Error.
+void remove_results(const std::filesystem::path& folder);
+
 /// Writes summary.json, provenance.json and timing.json, each whole or not at all, over what is there. Throws Error.
 void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents);
 
 /// The same for one run of a graph.
-void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph,
-                         const runtime::Results& results, const Timings& timings, const RunContext& context);
+void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph, const Cell& cell,
+                         const Timings& timings, const RunContext& context);
 
 }  // namespace pelorus::report

@@ -101,16 +101,23 @@ Cell cell_of_run(const runtime::Results& results) {
     return cell;
 }
 
+Json cell_json(const Cell& cell) {
+    Json json{{"variant", cell.variant}, {"sweep", cell.sweep}, {"runs", cell.runs}};
+    if (!cell.failed_runs.empty()) {
+        json["failed"] = cell.failed_runs.size();
+        json["failed_runs"] = cell.failed_runs;
+        json["failure"] = cell.failure;
+    }
+    json["scalars"] = Json::object();
+    json["tables"] = Json::object();
+    for (const ScalarResult& scalar : cell.scalars) json["scalars"][scalar.name] = scalar_json(scalar);
+    for (const TableResult& table : cell.tables) json["tables"][table.name] = table_json(table);
+    return json;
+}
+
 Json summary(const std::vector<Cell>& cells) {
     Json document{{"cells", Json::array()}};
-    for (const Cell& cell : cells) {
-        Json json{{"variant", cell.variant}, {"sweep", cell.sweep}, {"runs", cell.runs}};
-        json["scalars"] = Json::object();
-        json["tables"] = Json::object();
-        for (const ScalarResult& scalar : cell.scalars) json["scalars"][scalar.name] = scalar_json(scalar);
-        for (const TableResult& table : cell.tables) json["tables"][table.name] = table_json(table);
-        document["cells"].push_back(std::move(json));
-    }
+    for (const Cell& cell : cells) document["cells"].push_back(cell_json(cell));
     return document;
 }
 

@@ -35,6 +35,8 @@ struct Cell {
     std::string variant = "default";
     nlohmann::ordered_json sweep = nlohmann::ordered_json::object();  ///< address -> value
     std::uint64_t runs = 1;
+    std::vector<std::uint64_t> failed_runs;  ///< their numbers; they count among `runs` and have no values
+    std::string failure;                     ///< what the first of them said
     std::vector<ScalarResult> scalars;
     std::vector<TableResult> tables;
 };
@@ -46,7 +48,10 @@ double reduce_one(double value, std::uint32_t reduce) noexcept;
 /// The cell of a single run. A scalar of a column is the mean of that column's reduced finite elements.
 Cell cell_of_run(const runtime::Results& results);
 
-/// The document. Non-finite numbers become null; where there are any, `non_finite` says how many.
+/// One entry of `cells`. Non-finite numbers become null; where there are any, `non_finite` says how many.
+nlohmann::ordered_json cell_json(const Cell& cell);
+
+/// The document.
 nlohmann::ordered_json summary(const std::vector<Cell>& cells);
 
 }  // namespace pelorus::report

@@ -8,14 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "report/text_width.hpp"
+
 namespace pelorus::report {
 namespace {
-
-/// Columns in characters as a terminal shows them: bytes that continue a UTF-8 character take no place.
-std::size_t width(const std::string& text) {
-    return static_cast<std::size_t>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
 
 std::string significant(double x) { return std::isfinite(x) ? fmt::format("{:.5g}", x) : "-"; }
 
@@ -32,10 +28,10 @@ Row row_of(const ScalarResult& scalar) {
 std::string aligned(const std::vector<Row>& rows) {
     std::array<std::size_t, 3> widths{};
     for (const Row& row : rows)
-        for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
+        for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], text_width(row[i]));
     std::string text;
     for (const Row& row : rows) {
-        const auto space = [&](std::size_t i) { return std::string(widths[i] - width(row[i]), ' '); };
+        const auto space = [&](std::size_t i) { return std::string(widths[i] - text_width(row[i]), ' '); };
         std::string line = row[0] + space(0) + "  " + space(1) + row[1] + "  " + row[2] + space(2) + "  " + row[3];
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + '\n';

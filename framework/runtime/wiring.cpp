@@ -82,7 +82,9 @@ void shorten_paths(Json& config, const std::map<std::string, const plr_descripti
         for (auto& part : config) shorten_paths(part, plugins);
 }
 
-std::string parameters_of(const graph::Graph& graph) {
+}  // namespace
+
+Json determinants(const graph::Graph& graph) {
     std::map<std::string, const plr_description*> plugins;
     Json versions = Json::object();
     for (const host::LoadedPlugin* plugin : graph.plugins()) {
@@ -93,8 +95,15 @@ std::string parameters_of(const graph::Graph& graph) {
     for (const char* irrelevant : {"title", "campaign"})
         if (config.is_object()) config.erase(irrelevant);
     shorten_paths(config, plugins);
-    return Json{{"seed", graph.seed()}, {"config", config}, {"plugins", versions}}.dump(-1, ' ', false,
-                                                                                        Json::error_handler_t::replace);
+    return {{"seed", graph.seed()}, {"config", config}, {"plugins", versions}};
+}
+
+namespace {
+
+std::string parameters_of(const graph::Graph& graph) {
+    Json parameters = determinants(graph);
+    if (graph.run() != 0) parameters["run"] = graph.run();
+    return parameters.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -128,14 +137,14 @@ void resolve_streams(Wiring& wiring) {
             if (out.passes_on != 0) add_passed_on(wiring, node, out);
 }
 
-Wiring wire(const graph::Graph& graph) {
+Wiring wire(const graph::Graph& graph, Snapshots snapshots) {
     Wiring wiring;
     for (const graph::Node& node : graph.nodes())
         wiring.nodes.push_back(wire_node(node.name, node.description(), node.instance, node.host));
     wiring.edges = graph.edges();
     wiring.order = graph.order();
     wiring.guard = graph.guard();
-    wiring.parameters = parameters_of(graph);
+    if (snapshots == Snapshots::possible) wiring.parameters = parameters_of(graph);
     resolve_streams(wiring);
     return wiring;
 }

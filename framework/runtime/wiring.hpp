@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
 #include <pelorus/abi/abi.h>
 
 #include "graph/graph.hpp"
@@ -31,6 +32,7 @@ struct Wiring {
     host::GuardMode guard = host::GuardMode::start;  ///< whether deliveries are checked
     std::vector<std::size_t> order;                  ///< every edge but the feedback ones goes forward
     /// Everything else that determines the run, as JSON text: two runs with the same text are the same run.
+    /// "": no snapshot of it is ever taken.
     std::string parameters;
 };
 
@@ -44,7 +46,14 @@ Wiring::Node wire_node(std::string name, const plr_description& description, plr
 /// Adds to the out ports that pass streams on what comes in at those in ports.
 void resolve_streams(Wiring& wiring);
 
+/// All that determines the runs of a graph but the plugins' binaries: seed, config as resolved (of paths the last part alone) and
+/// the plugins' versions.
+nlohmann::ordered_json determinants(const graph::Graph& graph);
+
+/// Whether a run may be snapshotted: telling all that determines it takes longer than everything else here.
+enum class Snapshots { possible, none };
+
 /// All of a graph. Throws Error when a stage does not answer what its ports carry.
-Wiring wire(const graph::Graph& graph);
+Wiring wire(const graph::Graph& graph, Snapshots snapshots = Snapshots::possible);
 
 }  // namespace pelorus::runtime

@@ -78,6 +78,10 @@ Words for_placeholder(const std::string& placeholder, const UnfinishedLine& line
         found.insert(found.end(), {":files .yaml", ":files .so"});
         return found;
     }
+    if (placeholder == "V") {
+        const Words arguments = arguments_of(*line.command, line.all);
+        return arguments.empty() ? Words() : config_variants(arguments.front());
+    }
     if (placeholder == "ADDRESS=VALUE") {
         const Words arguments = arguments_of(*line.command, line.all);
         return arguments.empty() ? Words() : config_addresses(arguments.front(), folders_on(line.all));
@@ -110,7 +114,8 @@ Words after_command(const UnfinishedLine& line, const std::string& current) {
     if (is_flag(current) || current == "-") return flags_left(line);
     const std::size_t given = arguments_of(*line.command, line.before).size();
     const Words& wanted = line.command->grammar.arguments;
-    return given < wanted.size() ? for_placeholder(wanted[given], line) : flags_left(line);
+    if (given < wanted.size()) return for_placeholder(wanted[given], line);
+    return line.command->grammar.last_repeats ? for_placeholder(wanted.back(), line) : flags_left(line);
 }
 
 Words all_candidates(const Words& words, std::size_t at, const std::string& current) {

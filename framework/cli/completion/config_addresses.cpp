@@ -1,5 +1,6 @@
 #include "cli/completion/config_addresses.hpp"
 
+#include "graph/campaign_block.hpp"
 #include "graph/graph.hpp"
 #include "graph/part_tree.hpp"
 #include "graph/plan.hpp"
@@ -29,6 +30,15 @@ std::vector<std::string> config_addresses(const std::string& config,
     std::vector<std::string> addresses{"run.seed="};
     for (const graph::NodePlan& node : graph.plans()) add_addresses(*node.part, addresses);
     return addresses;
+}
+
+std::vector<std::string> config_variants(const std::string& config) {
+    const graph::Document document = graph::Document::load(config);
+    graph::Problems problems;
+    std::vector<std::string> names;
+    for (const graph::Variant& variant : graph::read_campaign(document.campaign(), problems).variants)
+        names.push_back(variant.name);
+    return names;
 }
 
 }  // namespace pelorus::cli

@@ -81,13 +81,20 @@ Json campaign_schema(bool extends) {
     Json variants = map_of(extends ? or_nothing(std::move(overrides)) : std::move(overrides),
                            "Named sets of overrides: addresses and values; {} for none.");
     Json runs{{"type", "integer"}, {"minimum", 1}, {"description", "runs of each variant and grid point"}};
+    Json reference{{"type", "string"},
+                   {"description", "the variant that the others are compared with: the first unless given"}};
+    Json on_failure{{"enum", {"stop", "continue"}},
+                    {"default", "stop"},
+                    {"description", "a failed run ends the campaign, or is counted and left out"}};
     const auto may_go = [extends](Json schema) { return extends ? or_nothing(std::move(schema)) : schema; };
     return may_go({{"type", "object"},
                    {"description", "Many runs of one config."},
                    {"properties",
                     {{"runs", may_go(std::move(runs))},
                      {"sweep", may_go(std::move(sweep))},
-                     {"variants", may_go(std::move(variants))}}},
+                     {"variants", may_go(std::move(variants))},
+                     {"reference", may_go(std::move(reference))},
+                     {"on_failure", may_go(std::move(on_failure))}}},
                    {"additionalProperties", false}});
 }
 
