@@ -14,9 +14,11 @@ std::mutex& one_at_a_time() {
     return mutex;
 }
 
-graph::Graph planned(const PipelineContext& context, const Cell& cell) {
+graph::Graph planned(const PipelineContext& context, const Cell& cell, bool sinks) {
     const std::lock_guard<std::mutex> lock(one_at_a_time());
-    return graph::Graph::plan(document_of(context.document, cell), context.finder, {});
+    graph::BuildOptions options;
+    options.sinks = sinks;
+    return graph::Graph::plan(document_of(context.document, cell), context.finder, options);
 }
 
 /// Destroys the graph's instances, whatever has become of the run.
@@ -37,7 +39,7 @@ private:
 }  // namespace
 
 CellPipeline::CellPipeline(const PipelineContext& context, const Cell& cell)
-    : context_(context), cell_(cell.index), graph_(planned(context, cell)) {}
+    : context_(context), cell_(cell), graph_(planned(context, cell, false)) {}
 
 CellPipeline::~CellPipeline() = default;
 
@@ -46,22 +48,24 @@ void CellPipeline::run(std::uint64_t number, Totals& totals) {
     options.run = number;
     options.guard = context_.guard;
     if (context_.guard == host::GuardMode::start && number != 0) options.guard = host::GuardMode::off;
-    if (cell_ == 0 && number == 0) options.output_folder = context_.output_folder;
-    execute(std::move(options), number, totals);
+    if (cell_.index != 0 || number != 0) return execute(graph_, options, totals);
+    options.output_folder = context_.output_folder;
+    graph::Graph with_sinks = planned(context_, cell_, true);
+    execute(with_sinks, options, totals);
 }
 
-void CellPipeline::execute(graph::BuildOptions options, std::uint64_t number, Totals& totals) {
-    const Clearing clearing(graph_);
+void CellPipeline::execute(graph::Graph& graph, const graph::BuildOptions& options, Totals& totals) {
+    const Clearing clearing(graph);
     std::unique_ptr<runtime::Runtime> runtime;
     {
         const std::lock_guard<std::mutex> lock(one_at_a_time());
-        graph_.renew(options);
-        runtime = std::make_unique<runtime::Runtime>(runtime::wire(graph_, runtime::Snapshots::none));
+        graph.renew(options);
+        runtime = std::make_unique<runtime::Runtime>(runtime::wire(graph, runtime::Snapshots::none));
     }
     runtime::RunOptions how;
     how.stop = context_.stop;
     if (runtime->run(how) == runtime::Outcome::stopped) throw Stopped();
-    totals.add(runtime->results(), number);
+    totals.add(runtime->results(), options.run);
     add_timings(timings_, runtime->timing());
 }
 

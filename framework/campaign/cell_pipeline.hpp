@@ -19,7 +19,7 @@ struct PipelineContext {
     const graph::Document& document;
     const graph::PluginFinder& finder;      ///< may be called by several threads
     host::GuardMode guard;                  ///< start: run 0 of each cell alone is guarded
-    std::string output_folder;              ///< of run 0 of cell 0; the others keep no files
+    std::string output_folder;              ///< where run 0 of cell 0 has its sinks write; the others have none
     const std::atomic<bool>* stop = nullptr;  ///< when set, runs end early with Stopped
 };
 
@@ -31,22 +31,22 @@ using NodeTimings = std::vector<runtime::NodeTiming>;
 
 class CellPipeline {
 public:
-    /// Checks and plans the cell's config. Throws ConfigError.
+    /// Checks and plans the cell's config. Throws ConfigError. Both must outlive this object.
     CellPipeline(const PipelineContext& context, const Cell& cell);
     ~CellPipeline();
 
-    std::size_t cell() const noexcept { return cell_; }
+    std::size_t cell() const noexcept { return cell_.index; }
     /// Does a run with new instances and adds its results. Throws Error: the run failed; Stopped.
     void run(std::uint64_t number, Totals& totals);
     /// Of all runs since this was asked last.
     NodeTimings take_timings();
 
 private:
-    void execute(graph::BuildOptions options, std::uint64_t number, Totals& totals);
+    void execute(graph::Graph& graph, const graph::BuildOptions& options, Totals& totals);
 
     const PipelineContext& context_;
-    std::size_t cell_;
-    graph::Graph graph_;
+    const Cell& cell_;
+    graph::Graph graph_;  // without sinks
     NodeTimings timings_;
 };
 

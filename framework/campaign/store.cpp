@@ -104,8 +104,11 @@ void Store::begin(const Json& identity) {
     std::error_code reason;
     // In this order: cells of the old campaign never lie beside the identity of the new one.
     fs::remove(campaign_file(folder_), reason);
+    std::vector<fs::path> old;
     for (fs::directory_iterator entry(folder_ / "cells", reason), end; !reason && entry != end; entry.increment(reason))
-        if (entry->path().filename() != ".lock") fs::remove(entry->path(), reason);
+        if (entry->path().filename() != ".lock") old.push_back(entry->path());
+    for (const fs::path& path : old)
+        if (!reason) fs::remove(path, reason);
     if (reason) fail("empty", folder_ / "cells", reason.message());
     report::write_file(campaign_file(folder_), report::json_text(identity));
 }

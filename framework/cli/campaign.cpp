@@ -38,7 +38,7 @@ std::string quoted(const std::string& word) {
 /// The command line that names the same campaign.
 std::string same_campaign(const CommandLine& line) {
     std::string text = "pelorus run " + quoted(line.argument(0));
-    for (const char* flag : {"plugins", "set", "variant", "seed", "runs"})
+    for (const char* flag : {"plugins", "set", "variant", "seed"})
         for (const std::string& value : line.values(flag)) text += fmt::format(" --{} {}", flag, quoted(value));
     return text;
 }
@@ -182,8 +182,9 @@ private:
         }
         if (!result.completed) {
             const char* signal = interrupt_.signal();
-            tell(fmt::format("stopped{}: {}; go on: {}{} --resume {}", signal != nullptr ? std::string(" by ") + signal : "",
+            tell(fmt::format("stopped{}: {}; go on: {}{}{} --resume {}", signal != nullptr ? std::string(" by ") + signal : "",
                              kept, same_campaign(line_),
+                             line_.has("runs") ? " --runs " + line_.value("runs") : "",
                              request_.parts > 1 ? fmt::format(" --cells {}/{}", request_.part, request_.parts) : "",
                              quoted(request_.out.string())));
             return Exit::run_failed;

@@ -50,6 +50,13 @@ void check_frames(const std::vector<NodePlan>& nodes, const nlohmann::ordered_js
                                                suggestion(node.frame, names, "frames"));
 }
 
+void remove_sinks(std::vector<NodePlan>& nodes) {
+    const auto is_sink = [](const NodePlan& node) {
+        return node.part != nullptr && std::string(node.part->description().kind) == "sink";
+    };
+    nodes.erase(std::remove_if(nodes.begin(), nodes.end(), is_sink), nodes.end());
+}
+
 void collect_plugins(const PartPlan& part, std::map<std::string, const host::LoadedPlugin*>& found) {
     found.emplace(part.description().id, part.plugin);
     for (const std::unique_ptr<PartPlan>& below : part.parts) collect_plugins(*below, found);
@@ -91,6 +98,7 @@ struct Graph::Implementation {
         if (const Value* graph = graph_block(root, problems)) {
             plans = plan_graph(*graph, {plugins, problems, root.base, variables_of(options)});
             check_frames(plans, frames_json, problems);
+            if (!options.sinks) remove_sinks(plans);
             edges = read_edges(plans, problems);
             order = order_of(plans, edges, problems);
         }

@@ -42,6 +42,7 @@ struct BuildOptions {
     unsigned threads = 1;
     /// Variables that path parameters may name; the environment's are looked up after these.
     std::map<std::string, std::string> variables;
+    bool sinks = true;  ///< false: nodes of that kind are left out, once they are checked; nothing comes out of them
     /// The result folder, absolute, for plugins that write files (ABI output.h); "" : none.
     std::string output_folder;
     /// How closely calls of models and deliveries to stages are checked. Results do not depend on it.

@@ -69,8 +69,17 @@ TEST_CASE("unknown commands and flags are refused with the nearest right one") {
 TEST_CASE("what later versions bring is refused by name") {
     for (const std::string command : {"report", "compare"})
         check_refused({command, "x"}, command + ": not in this version");
-    check_refused({"run", "c.yaml", "--runs", "5"}, "--runs comes with campaigns, which are not in this version");
-    check_refused({"run", "c.yaml", "--variant=koch"}, "--variant comes with campaigns");
+}
+
+TEST_CASE("flags of campaigns that do not go together or mean nothing are refused") {
+    check_refused({"run", "c.yaml", "--runs", "0"}, "--runs: expected a whole number from 1 to 1000000000, got '0'");
+    check_refused({"run", "c.yaml", "--cell", "3"}, "--cell: --run R is missing");
+    check_refused({"run", "c.yaml", "--run", "3", "--runs", "4"}, "--run: one run alone has no --runs");
+    check_refused({"run", "c.yaml", "--run", "3", "--cells", "1/2"}, "--run: one run alone has no --cells");
+    for (const std::string part : {"0/2", "3/2", "1", "1/", "/2", "a/2", "1/2/3"})
+        check_refused({"run", "c.yaml", "--cells", part}, "--cells: expected I/N");
+    check_refused({"merge"}, "DIR is missing; usage: pelorus merge DIR...");
+    check_refused({"merge", "part"}, "merge: --out DIR is missing");
 }
 
 TEST_CASE("arguments that are missing, superfluous or malformed are refused") {

@@ -80,6 +80,15 @@ TEST_CASE("bash completes the addresses of the config after --set") {
     CHECK(completed({command, "run", "nowhere.yaml", "--set", "world."}).empty());
 }
 
+TEST_CASE("bash completes the variants of the config, and any number of folders to be merged") {
+    const TemporaryFolder folder;
+    const std::string here = folder.path().string();
+    folder.write("c.yaml", "pelorus: 1\ncampaign: {variants: {calm: {}, lively: {}}}\n");
+    std::filesystem::create_directory(folder.path() / "part1");
+    CHECK(completed({command, "run", "c.yaml", "--variant", "l"}, here) == Words{"lively"});
+    CHECK(completed({command, "merge", "part1", "pa"}, here) == Words{"part1"});
+}
+
 TEST_CASE("the manual page has every command and flag, and no fault that mandoc finds") {
     const std::string file = PELORUS_BUILD_DIR "/share/man/man1/pelorus.1";
     CHECK(read_file(file) == pelorus_command({"help", "--man"}).out);

@@ -31,6 +31,8 @@ TEST_CASE("check --json tells nodes, edges and plugins") {
     CHECK(json["nodes"].size() == 5);
     CHECK(json["edges"][0]["to"] == "tracker.scans");
     CHECK(json["plugins"][0]["id"] == "analyzer.shape_error");
+    CHECK(json["campaign"]["runs"] == 200);
+    CHECK(json["campaign"]["cells"][0]["sweep"]["world.sensors.radar.noise"] == 0.2);
     CHECK_FALSE(json.contains("error"));
 }
 
@@ -52,7 +54,7 @@ TEST_CASE("check --json tells every problem with its place") {
 
 TEST_CASE("run --json tells the figures and the files") {
     const TemporaryFolder folder;
-    const Json json = json_of({"run", airship, "--out", folder / "out", "--set", "world.scans=20", "--json"}, 0);
+    const Json json = json_of({"run", airship, "--run", "0", "--out", folder / "out", "--set", "world.scans=20", "--json"}, 0);
     CHECK(json["completed"] == true);
     CHECK(json["folder"] == folder / "out");
     CHECK(json["summary"] == Json::parse(read_file(folder / "out/summary.json")));

@@ -320,7 +320,8 @@ TEST_CASE("The structure of a campaign is checked", "[graph]") {
                "2 m]}}\n"
                "  variants: {a: {world.period: 3 s}, b: {}}\n") == "built");
     CHECK(with("  runs: 0\n  swep: {}\n") ==
-          "test.yaml:25:3: campaign: unknown key 'swep'; did you mean 'sweep'? keys: runs, sweep, variants\n"
+          "test.yaml:25:3: campaign: unknown key 'swep'; did you mean 'sweep'? keys: runs, sweep, variants, reference, "
+          "on_failure\n"
           "test.yaml:24:9: campaign.runs: expected a whole number of at least 1, got '0'");
     CHECK(with("  sweep: {world.period: 3, a: {b: [1, 2], c: [1]}}\n  variants: {d: 5}\n") ==
           "test.yaml:24:25: campaign.sweep.world.period: expected a list of values, or a map from addresses to lists "
