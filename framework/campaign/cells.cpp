@@ -152,6 +152,8 @@ Json sweep_json(const Cell& cell, const Json& resolved) {
     for (const graph::Assignment& each : cell.sweep) {
         // Numbers are in SI then. Texts are as they were written: a path would otherwise tell where this machine has it.
         Json value = value_at(resolved, each.address);
+        // A parameter that takes several numbers and got one is a list then; the summary has it as it was written.
+        if (each.value.is_scalar() && value.is_array() && value.size() == 1) value = Json(value.front());
         sweep[each.address] = !value.is_object() && has_number(value) ? std::move(value) : written(each.value);
     }
     return sweep;

@@ -30,7 +30,8 @@ Json without_part(Json identity) {
 Json read_identity(const fs::path& folder) {
     const std::optional<Json> identity = campaign::Store(folder).identity();
     if (!identity)
-        throw Error(Exit::misuse, folder.string() + " holds no campaign; `pelorus run CONFIG --cells I/N` makes a part of one");
+        throw Error(Exit::misuse,
+                    folder.string() + " holds no campaign; `pelorus run CONFIG --cells I/N` makes a part of one");
     return without_part(*identity);
 }
 
@@ -59,9 +60,10 @@ std::map<std::size_t, fs::path> find_cells(const std::vector<fs::path>& folders,
         if (missing_count == most_told + 1) missing += ", ...";
     }
     if (missing_count > 0)
-        throw Error(Exit::run_failed, fmt::format("{} of {} cells are in none of the folders: {}; finish the parts that they "
-                                                  "belong to, and name all parts",
-                                                  missing_count, count, missing));
+        throw Error(Exit::run_failed,
+                    fmt::format("{} of {} cells are in none of the folders: {}; finish the parts that they "
+                                "belong to, and name all parts",
+                                missing_count, count, missing));
     return found;
 }
 
@@ -82,10 +84,11 @@ Json merged_timing(const std::vector<fs::path>& folders) {
         const Json timing = read_result(folder, "timing.json");
         sum["total_seconds"] = sum["total_seconds"].get<double>() + timing.value("total_seconds", 0.0);
         sum["runs"] = sum["runs"].get<std::uint64_t>() + timing.value("runs", std::uint64_t{0});
-        for (const auto& [name, node] : timing.value("nodes", Json::object()).items()) {
-            Json& to = sum["nodes"][name];
-            to = {{"calls", to.value("calls", std::uint64_t{0}) + node.value("calls", std::uint64_t{0})},
-                  {"seconds", to.value("seconds", 0.0) + node.value("seconds", 0.0)}};
+        const Json nodes = timing.value("nodes", Json::object());
+        for (const auto& [name, node] : nodes.items()) {
+            Json& to = sum["nodes"].emplace(name, Json{{"calls", 0}, {"seconds", 0.0}}).first.value();
+            to["calls"] = to["calls"].get<std::uint64_t>() + node.value("calls", std::uint64_t{0});
+            to["seconds"] = to["seconds"].get<double>() + node.value("seconds", 0.0);
         }
     }
     return sum;
@@ -141,14 +144,14 @@ int merge(const CommandLine& line) {
 }  // namespace
 
 Command merge_command() {
-    Grammar grammar{{"DIR"},
-                    {{"out", "DIR", "where the whole result goes"}, {"json", "", "the figures as JSON"}},
-                    {}};
+    Grammar grammar{{"DIR"}, {{"out", "DIR", "where the whole result goes"}, {"json", "", "the figures as JSON"}}, {}};
     grammar.last_repeats = true;
     return {"merge",
             "join the parts of a campaign",
-            "Takes the folders that `pelorus run CONFIG --cells 1/N` to `N/N` have written, and writes the one that an undivided "
-            "campaign would have: summary.json is the same, byte for byte. Parts of different campaigns are refused, and so "
+            "Takes the folders that `pelorus run CONFIG --cells 1/N` to `N/N` have written, and writes the one that an "
+            "undivided "
+            "campaign would have: summary.json is the same, byte for byte. Parts of different campaigns are refused, "
+            "and so "
             "is a set of parts in which a cell is missing.",
             grammar,
             {{"pelorus merge part1 part2 part3 --out results/c", "three parts of a job array"}},
