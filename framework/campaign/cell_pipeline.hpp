@@ -17,9 +17,9 @@ namespace pelorus::campaign {
 /// What all pipelines of a process share. Outlives them.
 struct PipelineContext {
     const graph::Document& document;
-    const graph::PluginFinder& finder;      ///< may be called by several threads
-    host::GuardMode guard;                  ///< start: run 0 of each cell alone is guarded
-    std::string output_folder;              ///< where run 0 of cell 0 has its sinks write; the others have none
+    const graph::PluginFinder& finder;        ///< may be called by several threads
+    host::GuardMode guard;                    ///< start: run 0 of each cell alone is guarded
+    std::string output_folder;                ///< where run 0 of cell 0 has its sinks write; the others have none
     const std::atomic<bool>* stop = nullptr;  ///< when set, runs end early with Stopped
 };
 

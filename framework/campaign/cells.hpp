@@ -26,7 +26,8 @@ struct Cell {
     /// What the sweep gives this cell, in the order of the file.
     std::vector<graph::Assignment> sweep;
     std::vector<graph::Assignment> overrides;  ///< of the variant
-    nlohmann::ordered_json shown_sweep = nlohmann::ordered_json::object();  ///< as the summary has it; check_cells() fills it in
+    nlohmann::ordered_json shown_sweep =
+        nlohmann::ordered_json::object();  ///< as the summary has it; check_cells() fills it in
 };
 
 struct Plan {

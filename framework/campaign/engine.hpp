@@ -25,7 +25,7 @@ struct Advance {
 };
 
 struct EngineOptions {
-    unsigned threads = 1;              ///< of each rank
+    unsigned threads = 1;            ///< of each rank
     std::vector<std::size_t> cells;  ///< which cells of the plan, ascending
     std::string identity;            ///< what is computed: ranks that mean something else are refused
     /// Called ten times a second, and at the end, by the thread that called compute().

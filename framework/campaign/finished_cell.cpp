@@ -157,7 +157,8 @@ Jackknife jackknife_of(const CellTotals& totals, const GroupedColumn& column) {
             before[r] += column.sums[g][r];
             counts_before[r] += column.counts[g][r];
         }
-        const double share = static_cast<double>(all - jackknife.counts[g]) / static_cast<double>(std::max<std::uint64_t>(all, 1));
+        const double share =
+            static_cast<double>(all - jackknife.counts[g]) / static_cast<double>(std::max<std::uint64_t>(all, 1));
         jackknife.without.push_back(mean_of_column(column, sums, counts, share));
     }
     return jackknife;
@@ -179,8 +180,8 @@ void add_scalar(const ScalarTotals& scalar, Result& result) {
         std::sort(sorted.begin(), sorted.end());
         told.ci95 = quantile_ci95(sorted, scalar.quantile);
     } else {
-        told.ci95 = ci95_of(estimate.contributions,
-                            scalar.reduce == PLR_REDUCE_COUNT ? scalar.values.size() : estimate.finite);
+        told.ci95 =
+            ci95_of(estimate.contributions, scalar.reduce == PLR_REDUCE_COUNT ? scalar.values.size() : estimate.finite);
     }
     result.cell.scalars.push_back(std::move(told));
     Json& sample = result.samples[scalar.name];
@@ -194,8 +195,7 @@ void add_scalar(const CellTotals& totals, const TableTotals& table, const Column
     const auto column = std::find_if(table.columns.begin(), table.columns.end(),
                                      [&](const auto& candidate) { return candidate.name == scalar.column; });
     if (column != table.columns.end()) {
-        const GroupedColumn grouping =
-            grouped(totals, table, static_cast<std::size_t>(column - table.columns.begin()));
+        const GroupedColumn grouping = grouped(totals, table, static_cast<std::size_t>(column - table.columns.begin()));
         told.value = mean_over_rows(grouping.whole);
         if (has_jackknife(column->reduce) && grouping.is_comparable) {
             const Jackknife jackknife = jackknife_of(totals, grouping);

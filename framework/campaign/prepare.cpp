@@ -58,7 +58,8 @@ Prepared prepare(const graph::Document& document, const Selection& selection, co
     prepared.identity = {{"format", 1}, {"runs", prepared.plan.runs}, {"host", report::build_facts()}};
     prepared.identity["plugins"] = Json::object();
     for (const host::LoadedPlugin* plugin : prepared.plugins)
-        prepared.identity["plugins"][plugin->file.id] = {{"version", plugin->file.version}, {"sha256", plugin->sha256()}};
+        prepared.identity["plugins"][plugin->file.id] = {{"version", plugin->file.version},
+                                                         {"sha256", plugin->sha256()}};
     prepared.identity["reference"] = prepared.plan.reference;
     prepared.identity["cells"] = std::move(cells);
     return prepared;
@@ -74,9 +75,8 @@ std::string difference(const Json& there, const Json& here) {
 Json campaign_json(const Plan& plan) {
     Json cells = Json::array();
     for (const Cell& cell : plan.cells) cells.push_back({{"variant", cell.variant}, {"sweep", cell.shown_sweep}});
-    return {{"on_failure", plan.goes_on ? "continue" : "stop"},
-            {"reference", plan.reference},
-            {"cells", std::move(cells)}};
+    return {
+        {"on_failure", plan.goes_on ? "continue" : "stop"}, {"reference", plan.reference}, {"cells", std::move(cells)}};
 }
 
 }  // namespace pelorus::campaign

@@ -15,10 +15,10 @@
 namespace pelorus::campaign {
 
 struct Prepared {
-    Plan plan;                                         ///< with the sweep of each cell as shown
-    nlohmann::ordered_json identity;                   ///< all that determines the results
-    std::optional<graph::Graph> first;                 ///< of cell 0, with instances
-    std::vector<const host::LoadedPlugin*> plugins;    ///< of all cells, sorted by id
+    Plan plan;                                       ///< with the sweep of each cell as shown
+    nlohmann::ordered_json identity;                 ///< all that determines the results
+    std::optional<graph::Graph> first;               ///< of cell 0, with instances
+    std::vector<const host::LoadedPlugin*> plugins;  ///< of all cells, sorted by id
 };
 
 /// Plans the cells and checks each of them: wiring, values, instances. Throws ConfigError with all that is wrong with any, each told

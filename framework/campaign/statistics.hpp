@@ -13,9 +13,10 @@ using Contributions = std::vector<double>;
 
 /// An estimate from one value a run.
 struct Estimate {
-    double value = 0;             ///< NaN where no value is finite
-    std::size_t finite = 0;       ///< values that went in
-    Contributions contributions;  ///< [runs] 0 of a value that is not finite; empty where the estimate has none (extremes, quantiles)
+    double value = 0;        ///< NaN where no value is finite
+    std::size_t finite = 0;  ///< values that went in
+    Contributions
+        contributions;  ///< [runs] 0 of a value that is not finite; empty where the estimate has none (extremes, quantiles)
 };
 
 /// What `values` reduce to (PLR_REDUCE_...); non-finite ones are left out. Weights count in a mean: that is then a ratio of two

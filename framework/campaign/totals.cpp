@@ -59,7 +59,8 @@ RowTotals row_totals(const runtime::Table& table, std::size_t number, TableTotal
         if (reduce == PLR_REDUCE_FIRST_RUN && run != 0) kept = nan;
         row.values.push_back(kept);
         row.counts.push_back(finite ? 1 : 0);
-        if (reduce == PLR_REDUCE_QUANTILE) row.sorted.push_back(finite ? std::vector<double>{element} : std::vector<double>());
+        if (reduce == PLR_REDUCE_QUANTILE)
+            row.sorted.push_back(finite ? std::vector<double>{element} : std::vector<double>());
     }
     if (row.key.empty()) row.key.push_back(static_cast<double>(number));
     return row;

@@ -13,8 +13,7 @@ Workers::Workers(const PipelineContext& context, const Plan& plan, unsigned thre
         for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
     } catch (const std::system_error& problem) {
         stop();
-        throw Error(Exit::run_failed,
-                    "the system refuses " + std::to_string(threads) + " threads: " + problem.what());
+        throw Error(Exit::run_failed, "the system refuses " + std::to_string(threads) + " threads: " + problem.what());
     }
 }
 

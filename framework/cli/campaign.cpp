@@ -27,8 +27,9 @@ using Json = nlohmann::ordered_json;
 
 /// As a shell reads it back.
 std::string quoted(const std::string& word) {
-    const bool is_plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                                                  "0123456789_-+=./,:@%") == std::string::npos;
+    const bool is_plain = !word.empty() && word.find_first_not_of(
+                                               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                               "0123456789_-+=./,:@%") == std::string::npos;
     if (is_plain) return word;
     std::string text = "'";
     for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -65,10 +66,10 @@ void take_up(campaign::Store& store, const CampaignRequest& request, const Json&
     const std::optional<Json> there = store.identity();
     const std::string differs = there ? campaign::difference(*there, identity) : std::string();
     if (there && request.resume && !differs.empty())
-        throw Error(Exit::misuse, fmt::format("--resume: {} holds another campaign: {}", request.out.string(), differs));
+        throw Error(Exit::misuse,
+                    fmt::format("--resume: {} holds another campaign: {}", request.out.string(), differs));
     if (there && differs.empty()) return;
-    if (request.resume && !there)
-        tell(request.out.string() + " holds no campaign yet: it begins now");
+    if (request.resume && !there) tell(request.out.string() + " holds no campaign yet: it begins now");
     store.begin(identity);
 }
 
@@ -172,8 +173,8 @@ private:
 
     Exit tell_ending(const campaign::EngineResult& result, const Json& summary) const {
         const campaign::Advance& advance = result.advance;
-        const std::string kept =
-            fmt::format("{} of {} runs are done and kept in {}", advance.runs_done, advance.runs, request_.out.string());
+        const std::string kept = fmt::format("{} of {} runs are done and kept in {}", advance.runs_done, advance.runs,
+                                             request_.out.string());
         if (result.failure) {
             const campaign::Failure& failure = *result.failure;
             tell_failure(line_, prepared_.plan, failure.cell, failure.run, prepared_.first->seed(), failure.message);
@@ -182,8 +183,8 @@ private:
         }
         if (!result.completed) {
             const char* signal = interrupt_.signal();
-            tell(fmt::format("stopped{}: {}; go on: {}{}{} --resume {}", signal != nullptr ? std::string(" by ") + signal : "",
-                             kept, same_campaign(line_),
+            tell(fmt::format("stopped{}: {}; go on: {}{}{} --resume {}",
+                             signal != nullptr ? std::string(" by ") + signal : "", kept, same_campaign(line_),
                              line_.has("runs") ? " --runs " + line_.value("runs") : "",
                              request_.parts > 1 ? fmt::format(" --cells {}/{}", request_.part, request_.parts) : "",
                              quoted(request_.out.string())));
@@ -202,8 +203,7 @@ private:
         std::string files;
         try {
             report::write_result_folder(
-                request_.out,
-                {summary, report::provenance(*prepared_.first, run_context(result.completed)), timing});
+                request_.out, {summary, report::provenance(*prepared_.first, run_context(result.completed)), timing});
             files = report::file_line(request_.out);
         } catch (const Error& problem) {  // the figures are printed all the same
             tell(std::string(problem.what()) + "; the figures are printed, but not all of them are kept");

@@ -40,7 +40,8 @@ std::string progress_text(const campaign::Advance& advance, double seconds, bool
         const double rate = done_now / seconds;
         text += fmt::format(", {:.3g} runs/s", rate);
         if (advance.runs_done < advance.runs)
-            text += fmt::format(", {} left", duration_text(static_cast<double>(advance.runs - advance.runs_done) / rate));
+            text +=
+                fmt::format(", {} left", duration_text(static_cast<double>(advance.runs - advance.runs_done) / rate));
     }
     return text;
 }

@@ -35,9 +35,9 @@ std::string edge_text(const graph::Graph& graph, const graph::Edge& edge) {
 int check(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
     const graph::Document document = load_document(line);
-    const campaign::Prepared prepared = campaign::prepare(
-        document, read_selection(line),
-        [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });
+    const campaign::Prepared prepared =
+        campaign::prepare(document, read_selection(line),
+                          [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });
     const graph::Graph& graph = *prepared.first;
     const campaign::Plan& plan = prepared.plan;
     if (line.has("json")) {
@@ -77,7 +77,8 @@ Command check_command() {
             "check wiring and values of a config, run nothing",
             "Reads CONFIG, loads the plugins that it names, checks every key and value against what the plugins say of "
             "themselves, makes all instances and joins the nodes. All that is wrong is told at once, one line each, "
-            "FILE:LINE:COLUMN: what was expected. Of a campaign, the config of every cell is checked, and the first one's graph told.",
+            "FILE:LINE:COLUMN: what was expected. Of a campaign, the config of every cell is checked, and the first "
+            "one's graph told.",
             {{"CONFIG"}, flags, {}},
             {{"pelorus check configs/airship.yaml", "is it good?"},
              {"pelorus check c.yaml --set 'tracker.estimator.motion=~'", "is it still, without that part?"}},

@@ -111,8 +111,9 @@ int dispatch(const std::vector<std::string>& words) {
 }  // namespace
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> all = {run_command(), merge_command(), check_command(),   list_command(),   inspect_command(),
-                                             new_command(), conform_command(), schema_command(), completion_command()};
+    static const std::vector<Command> all = {run_command(),     merge_command(),   check_command(),
+                                             list_command(),    inspect_command(), new_command(),
+                                             conform_command(), schema_command(),  completion_command()};
     return all;
 }
 

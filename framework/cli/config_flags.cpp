@@ -40,7 +40,8 @@ campaign::Selection read_selection(const CommandLine& line) {
     selection.variants = line.values("variant");
     if (!line.has("runs")) return selection;
     selection.runs = line.number("runs", 1, most);
-    if (*selection.runs == 0) throw Error(Exit::misuse, "--runs: expected a whole number from 1 to 1000000000, got '0'");
+    if (*selection.runs == 0)
+        throw Error(Exit::misuse, "--runs: expected a whole number from 1 to 1000000000, got '0'");
     return selection;
 }
 

@@ -92,8 +92,7 @@ Request read_request(const CommandLine& line) {
     if (line.has("cells")) read_part(line.value("cells"), request);
     if (request.run)
         for (const char* flag : {"cells", "runs"})
-            if (line.has(flag))
-                throw Error(Exit::misuse, std::string("--run: one run alone has no --") + flag);
+            if (line.has(flag)) throw Error(Exit::misuse, std::string("--run: one run alone has no --") + flag);
     return request;
 }
 
@@ -190,8 +189,8 @@ OneRun chosen_run(const graph::Document& document, const campaign::Selection& se
     problems.raise();
     if (request.cell) {
         if (*request.cell >= plan.cells.size())
-            throw Error(Exit::misuse, fmt::format("--cell: there are cells 0 to {}, got {}", plan.cells.size() - 1,
-                                                  *request.cell));
+            throw Error(Exit::misuse,
+                        fmt::format("--cell: there are cells 0 to {}, got {}", plan.cells.size() - 1, *request.cell));
         const campaign::Cell& cell = plan.cells[static_cast<std::size_t>(*request.cell)];
         return {campaign::document_of(document, cell), cell};
     }
@@ -257,8 +256,9 @@ CampaignRequest campaign_request(const CommandLine& line, const Request& request
     made.part = request.part;
     made.parts = request.parts;
     if (request.snapshot_at)
-        throw Error(Exit::misuse, "--snapshot-at: this is a campaign, which keeps what is finished by itself; a run of it "
-                                  "alone, with --run R, can be snapshotted");
+        throw Error(Exit::misuse,
+                    "--snapshot-at: this is a campaign, which keeps what is finished by itself; a run of it "
+                    "alone, with --run R, can be snapshotted");
     if (request.resume && line.has("out") && request.out != *request.resume)
         throw Error(Exit::misuse, "--resume: a campaign goes on in its own folder; leave --out away");
     return made;
@@ -303,42 +303,47 @@ Command run_command() {
     flags.push_back({"cells", "I/N", "the I-th of N parts of the campaign's cells; `pelorus merge` joins them"});
     flags.push_back({"run", "R", "run number R alone: of the graph as it stands, with --variant V of that variant"});
     flags.push_back({"cell", "K", "with --run: of the campaign's cell K"});
-    flags.push_back({"threads", "N",
-                     "of a campaign: runs at a time (one a core unless given); of one run: threads that plugins share (1 "
-                     "unless given); 0: one a core; same results"});
+    flags.push_back(
+        {"threads", "N",
+         "of a campaign: runs at a time (one a core unless given); of one run: threads that plugins share (1 "
+         "unless given); 0: one a core; same results"});
     flags.push_back(
         {"guard", "MODE",
          "which calls of models are checked against the contract: off, start (default: the first 16 of each "
          "function), all; same results"});
     flags.push_back({"snapshot-at", "TIME", "write the whole run's state at that time (50s) into the result folder"});
     flags.push_back({"stop-at-snapshot", "", "and end the run there"});
-    flags.push_back({"resume", "DIR", "go on from the snapshot, or with the campaign, in DIR, with the same CONFIG and --set"});
+    flags.push_back(
+        {"resume", "DIR", "go on from the snapshot, or with the campaign, in DIR, with the same CONFIG and --set"});
     flags.push_back({"json", "", "the figures and the names of the files as JSON"});
-    return {"run",
-            "run a config, print its figures, write a result folder",
-            "Checks CONFIG like `pelorus check`, runs it to its end and writes summary.json, provenance.json and "
-            "timing.json, and what the graph's sinks write, into the result folder. Figures go to standard output, "
-            "everything else to standard error.\n\n"
-            "The same config, seed and binaries give the same summary.json, byte for byte: with any number of threads, "
-            "and when a run is ended at a snapshot and resumed. A resumed run writes into the folder that it comes "
-            "from, unless --out names another; a snapshot of another config is refused.\n\n"
-            "A config with `campaign:` is run many times: each variant at each point of the sweep. What is finished is kept; "
-            "the same command goes on with it after an interruption, --resume makes sure that it is the same campaign. Under "
-            "an MPI launcher all ranks share the work.\n\n"
-            "Ctrl-C (SIGINT), SIGTERM or SIGHUP ends a run in an orderly way: results so far are kept, exit code 1. A "
-            "second "
-            "one ends it at once.",
-            {{"CONFIG"}, flags, {}},
-            {{"pelorus run configs/airship.yaml", "results in ./results/airship"},
-             {"pelorus run c.yaml --set world.sensors.radar.noise=5m --out /tmp/r5", "another value, another folder"},
-             {"pelorus run c.yaml --plugins ./build", "with a plugin that was just built"},
-             {"pelorus run c.yaml --variant koch --variant feldmann --runs 50", "two variants of a campaign, 50 runs each"},
-             {"pelorus run c.yaml --cell 17 --run 3", "one run of a campaign"},
-             {"pelorus run c.yaml --cells 2/8 --out part2", "the second of eight parts, for a job array"},
-             {"mpirun -n 16 pelorus run c.yaml", "on many processors"},
-             {"pelorus run c.yaml --snapshot-at 50s --stop-at-snapshot", "half of it now ..."},
-             {"pelorus run c.yaml --resume results/c", "... and the rest later"}},
-            &run};
+    return {
+        "run",
+        "run a config, print its figures, write a result folder",
+        "Checks CONFIG like `pelorus check`, runs it to its end and writes summary.json, provenance.json and "
+        "timing.json, and what the graph's sinks write, into the result folder. Figures go to standard output, "
+        "everything else to standard error.\n\n"
+        "The same config, seed and binaries give the same summary.json, byte for byte: with any number of threads, "
+        "and when a run is ended at a snapshot and resumed. A resumed run writes into the folder that it comes "
+        "from, unless --out names another; a snapshot of another config is refused.\n\n"
+        "A config with `campaign:` is run many times: each variant at each point of the sweep. What is finished is "
+        "kept; "
+        "the same command goes on with it after an interruption, --resume makes sure that it is the same campaign. "
+        "Under "
+        "an MPI launcher all ranks share the work.\n\n"
+        "Ctrl-C (SIGINT), SIGTERM or SIGHUP ends a run in an orderly way: results so far are kept, exit code 1. A "
+        "second "
+        "one ends it at once.",
+        {{"CONFIG"}, flags, {}},
+        {{"pelorus run configs/airship.yaml", "results in ./results/airship"},
+         {"pelorus run c.yaml --set world.sensors.radar.noise=5m --out /tmp/r5", "another value, another folder"},
+         {"pelorus run c.yaml --plugins ./build", "with a plugin that was just built"},
+         {"pelorus run c.yaml --variant koch --variant feldmann --runs 50", "two variants of a campaign, 50 runs each"},
+         {"pelorus run c.yaml --cell 17 --run 3", "one run of a campaign"},
+         {"pelorus run c.yaml --cells 2/8 --out part2", "the second of eight parts, for a job array"},
+         {"mpirun -n 16 pelorus run c.yaml", "on many processors"},
+         {"pelorus run c.yaml --snapshot-at 50s --stop-at-snapshot", "half of it now ..."},
+         {"pelorus run c.yaml --resume results/c", "... and the rest later"}},
+        &run};
 }
 
 }  // namespace pelorus::cli

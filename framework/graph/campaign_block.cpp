@@ -107,8 +107,7 @@ std::string read_reference(const Value* named, const std::vector<Variant>& varia
     for (const Variant& variant : variants) names.push_back(variant.name);
     if (named == nullptr) return names.empty() ? "" : names.front();
     if (!named->is_scalar() || named->scalar.empty())
-        problems.add(named->where,
-                     "campaign.reference: expected the name of a variant, got " + named->described());
+        problems.add(named->where, "campaign.reference: expected the name of a variant, got " + named->described());
     else if (std::find(names.begin(), names.end(), named->scalar) == names.end())
         problems.add(named->where, "campaign.reference: there is no variant '" + named->scalar + "'" +
                                        suggestion(named->scalar, names, "variants"));

@@ -33,8 +33,8 @@ struct CampaignBlock {
     std::uint64_t runs = 1;
     std::vector<Axis> axes;         ///< in file order
     std::vector<Variant> variants;  ///< in file order
-    std::string reference;          ///< the variant that the others are compared with: the first unless named; "" : no variants
-    bool goes_on = false;           ///< on_failure: a failed run is counted, and the campaign goes on
+    std::string reference;  ///< the variant that the others are compared with: the first unless named; "" : no variants
+    bool goes_on = false;   ///< on_failure: a failed run is counted, and the campaign goes on
 };
 
 /// An override from a config. `~` takes away, as on the command line: unlike a key that was left without a value by mistake.

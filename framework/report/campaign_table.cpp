@@ -37,8 +37,8 @@ void add_once(Words& words, const std::string& word) {
 /// Cells by variant and grid point, in the order in which they come.
 struct Grid {
     Words variants, points;
-    std::map<std::string, const Json*> sweeps;                           // of points
-    std::map<std::pair<std::string, std::string>, const Json*> cells;    // by variant and point
+    std::map<std::string, const Json*> sweeps;                         // of points
+    std::map<std::pair<std::string, std::string>, const Json*> cells;  // by variant and point
     Words scalars;
     std::map<std::string, std::string> units;  // of scalars
 

@@ -16,8 +16,8 @@ namespace pelorus::report {
 struct RunContext {
     std::string config;  ///< the config file as given on the command line
     std::uint64_t runs = 1;
-    bool stopped = false;  ///< the run was stopped before its sources ended
-    nlohmann::ordered_json campaign = nullptr;         ///< its variants and grid points, where it is one
+    bool stopped = false;                            ///< the run was stopped before its sources ended
+    nlohmann::ordered_json campaign = nullptr;       ///< its variants and grid points, where it is one
     std::vector<const host::LoadedPlugin*> plugins;  ///< of all cells of a campaign; none: those of the graph
 };
 

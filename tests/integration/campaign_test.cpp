@@ -65,8 +65,8 @@ struct Bench {
 
     std::vector<std::string> words(const std::string& out, const std::vector<std::string>& flags,
                                    const std::string& file = {}) const {
-        std::vector<std::string> all{"run", file.empty() ? config : file, "--out", folder / out, "--plugins",
-                                     PELORUS_TEST_PLUGINS};
+        std::vector<std::string> all{"run",       file.empty() ? config : file, "--out", folder / out,
+                                     "--plugins", PELORUS_TEST_PLUGINS};
         all.insert(all.end(), flags.begin(), flags.end());
         return all;
     }
@@ -170,7 +170,8 @@ TEST_CASE("a campaign that is killed again and again loses nothing that it has f
     std::mt19937 random(11);
     std::uint64_t before = 0;
     for (int kill = 0; kill < 6; ++kill) {
-        std::vector<std::string> words = bench.words("out", with_pause({"--threads", "2"}, pause), bench.unlucky_config);
+        std::vector<std::string> words =
+            bench.words("out", with_pause({"--threads", "2"}, pause), bench.unlucky_config);
         words.insert(words.begin(), PELORUS_EXECUTABLE);
         const Process process(words);
         std::this_thread::sleep_for(std::chrono::milliseconds(40 + random() % 160));
@@ -233,7 +234,8 @@ TEST_CASE("a signal ends a campaign in an orderly way, and says how to go on") {
     CHECK(bench.json("out/provenance.json")["completed"] == false);
     CHECK(bench.json("out/summary.json")["cells"].size() < 6);
     const std::string whole = bench.summary("whole", with_pause({}, "0.02 s"), bench.unlucky_config);
-    CHECK(bench.summary("out", with_pause({"--resume", bench.folder / "out"}, "0.02 s"), bench.unlucky_config) == whole);
+    CHECK(bench.summary("out", with_pause({"--resume", bench.folder / "out"}, "0.02 s"), bench.unlucky_config) ==
+          whole);
 }
 
 TEST_CASE("a failed run is named with the command that repeats it alone") {
@@ -304,7 +306,8 @@ campaign:
         const Ended ended = pelorus_command({command, wrong});
         CHECK(ended.exit == 2);
         CHECK_THAT(ended.err, Contains(":3:44: world.sensors.radar.noise: expected a value in m, got '2 s'"));
-        CHECK_THAT(ended.err, Contains(":3:50: world: source.simulation has no parameter 'perod'; did you mean 'period'?"));
+        CHECK_THAT(ended.err,
+                   Contains(":3:50: world: source.simulation has no parameter 'perod'; did you mean 'period'?"));
         CHECK_THAT(ended.err, Contains(":4:23: tracker.estimator.motion: motion.constant_velocity has no parameter"));
         CHECK(count(ended.err, "\n") == 3);
     }

@@ -54,7 +54,8 @@ TEST_CASE("check --json tells every problem with its place") {
 
 TEST_CASE("run --json tells the figures and the files") {
     const TemporaryFolder folder;
-    const Json json = json_of({"run", airship, "--run", "0", "--out", folder / "out", "--set", "world.scans=20", "--json"}, 0);
+    const Json json =
+        json_of({"run", airship, "--run", "0", "--out", folder / "out", "--set", "world.scans=20", "--json"}, 0);
     CHECK(json["completed"] == true);
     CHECK(json["folder"] == folder / "out");
     CHECK(json["summary"] == Json::parse(read_file(folder / "out/summary.json")));

@@ -54,19 +54,19 @@ TEST_CASE("Cells come out variants first, then axes in file order, the last one 
     CHECK(plan.runs == 7);
     CHECK(plan.reference == "slow");
     CHECK_FALSE(plan.goes_on);
-    CHECK(texts(plan) == std::vector<std::string>{
-                             "variant slow, world.noise = 1 m, world.count = 3, tracker.count = 30",
-                             "variant slow, world.noise = 1 m, world.count = 4, tracker.count = 40",
-                             "variant slow, world.noise = 1 m, world.count = 5, tracker.count = 50",
-                             "variant slow, world.noise = 2 m, world.count = 3, tracker.count = 30",
-                             "variant slow, world.noise = 2 m, world.count = 4, tracker.count = 40",
-                             "variant slow, world.noise = 2 m, world.count = 5, tracker.count = 50",
-                             "variant fast, world.noise = 1 m, world.count = 3, tracker.count = 30",
-                             "variant fast, world.noise = 1 m, world.count = 4, tracker.count = 40",
-                             "variant fast, world.noise = 1 m, world.count = 5, tracker.count = 50",
-                             "variant fast, world.noise = 2 m, world.count = 3, tracker.count = 30",
-                             "variant fast, world.noise = 2 m, world.count = 4, tracker.count = 40",
-                             "variant fast, world.noise = 2 m, world.count = 5, tracker.count = 50"});
+    CHECK(texts(plan) ==
+          std::vector<std::string>{"variant slow, world.noise = 1 m, world.count = 3, tracker.count = 30",
+                                   "variant slow, world.noise = 1 m, world.count = 4, tracker.count = 40",
+                                   "variant slow, world.noise = 1 m, world.count = 5, tracker.count = 50",
+                                   "variant slow, world.noise = 2 m, world.count = 3, tracker.count = 30",
+                                   "variant slow, world.noise = 2 m, world.count = 4, tracker.count = 40",
+                                   "variant slow, world.noise = 2 m, world.count = 5, tracker.count = 50",
+                                   "variant fast, world.noise = 1 m, world.count = 3, tracker.count = 30",
+                                   "variant fast, world.noise = 1 m, world.count = 4, tracker.count = 40",
+                                   "variant fast, world.noise = 1 m, world.count = 5, tracker.count = 50",
+                                   "variant fast, world.noise = 2 m, world.count = 3, tracker.count = 30",
+                                   "variant fast, world.noise = 2 m, world.count = 4, tracker.count = 40",
+                                   "variant fast, world.noise = 2 m, world.count = 5, tracker.count = 50"});
     for (std::size_t i = 0; i < plan.cells.size(); ++i) CHECK(plan.cells[i].index == i);
 }
 

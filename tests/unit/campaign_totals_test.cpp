@@ -271,5 +271,6 @@ TEST_CASE("A table with other columns than before is refused", "[campaign]") {
     Totals totals = totals_of(0, 1);
     runtime::Results results = results_of(1);
     results.tables[0].columns[3].unit = "s";
-    CHECK_THROWS_WITH(totals.add(results, 1), "node errors: the table 'by_time' has other columns than in the runs before");
+    CHECK_THROWS_WITH(totals.add(results, 1),
+                      "node errors: the table 'by_time' has other columns than in the runs before");
 }
