@@ -3,7 +3,7 @@
 /// The record of a track: [mean (n), covariance (n x n, column-major), the motion's record].
 #pragma once
 
-#include "batches.hpp"
+#include "../../common/batches/batches.hpp"
 #include "kalman_kernels.hpp"
 
 #include <vector>
@@ -11,6 +11,8 @@
 #include <pelorus/batch_model.hpp>
 
 namespace kalman {
+
+using namespace batches;
 
 /// A sensor of the slot, and where among the motion's Cartesian components it finds what it looks at.
 struct SensorInSlot {

@@ -28,24 +28,11 @@ plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& ar
     expect_packed(args.dt, 1, 1, args.out.count, "dt");
     expect_packed(args.record, info.record_size, 1, args.out.count, "record");
     expect_packed(args.out, info.record_size, 1, args.out.count, "out");
-    // Runs of items that stand still and of items that move: a motion is not called for dt = 0.
-    const auto stands = [&](std::int64_t i) { return *at(args.dt, i) == 0.0; };
-    plr_status result = PLR_OK;
-    for (std::int64_t first = 0, end = 0; first < args.out.count; first = end) {
-        while (end < args.out.count && stands(end) == stands(first)) ++end;
-        plr_estimator_predict run = args;
-        run.dt = slice(args.dt, first, end - first);
-        run.extent = slice(args.extent, first, end - first);
-        run.record = slice(args.record, first, end - first);
-        run.out = slice(args.out, first, end - first);
-        const plr_call here = slice(call, first);
-        const plr_status status = stands(first)           ? copy_records(here, run)
-                                  : structure_ != nullptr ? predict_by_blocks(here, run)
-                                                          : predict_fully(here, run);
-        if (status < 0) return status;
-        if (status != PLR_OK) result = status;
-    }
-    return result;
+    return in_runs(
+        call, args, [&](const plr_call& here, const plr_estimator_predict& run) { return copy_records(here, run); },
+        [&](const plr_call& here, const plr_estimator_predict& run) {
+            return structure_ != nullptr ? predict_by_blocks(here, run) : predict_fully(here, run);
+        });
 }
 
 plr_status Kalman::copy_records(const plr_call& call, const plr_estimator_predict& args) const {

@@ -1,11 +1,15 @@
 // extent.random_matrix: the shape of an extended target as an inverse-Wishart matrix. See README.md.
 #include "random_matrix.hpp"
 
-#include "koch.hpp"
+#include "kinds.hpp"
+
+namespace random_matrix {
+
+plr_instance make_random_matrix(int dimension, const pelorus::Setup& setup) {
+    return dimension == 2 ? pelorus::instantiate<RandomMatrix<2>>(setup) : pelorus::instantiate<RandomMatrix<3>>(setup);
+}
 
 namespace {
-
-using namespace random_matrix;
 
 /// Chooses the class by update and dimension.
 struct Plugin {
@@ -18,13 +22,14 @@ struct Plugin {
     static plr_instance create(const pelorus::Setup& setup) {
         Described chosen;
         pelorus::Describe<Described>::of().bind(chosen, setup.raw());
-        if (chosen.rule == Rule::koch)
-            return chosen.dimension == 2 ? pelorus::instantiate<Koch<2>>(setup) : pelorus::instantiate<Koch<3>>(setup);
-        return chosen.dimension == 2 ? pelorus::instantiate<RandomMatrix<2>>(setup)
-                                     : pelorus::instantiate<RandomMatrix<3>>(setup);
+        if (!is_joint(chosen.rule)) return make_random_matrix(chosen.dimension, setup);
+        if (chosen.rule == Rule::variational) return make_variational(chosen.dimension, setup);
+        return make_koch(chosen.dimension, setup);
     }
 };
 
 }  // namespace
 
-PELORUS_PLUGIN(Plugin, "extent.random_matrix");
+}  // namespace random_matrix
+
+PELORUS_PLUGIN(random_matrix::Plugin, "extent.random_matrix");

@@ -1,88 +1,10 @@
 /// extent.random_matrix, update `published` and `feldmann`: an inverse-Wishart extent beside an estimator. See README.md.
 #pragma once
 
-#include <optional>
-
-#include <pelorus/batch_model.hpp>
-
-#include "inverse_wishart.hpp"
+#include "../../common/random_matrix/scatter.hpp"
+#include "parameters.hpp"
 
 namespace random_matrix {
-
-enum class Rule { published, koch, feldmann };
-enum class InnovationSpread { trace, symmetrised, feldmann };
-
-struct Parameters {
-    Rule rule = Rule::published;
-    std::optional<InnovationSpread> innovation_spread;
-    Start start = Start::published;
-    double lambda = 1;
-    double decay = 0.1;                    // 1/s
-    std::optional<double> nominal_extent;  // m^2
-    int dimension = 3;
-};
-
-/// The one description of all classes of this plugin.
-template <class Plugin> void describe_parameters(pelorus::Describe<Plugin>& plugin) {
-    plugin.title("Random matrix")
-        .purpose(
-            "The shape of an extended target or group as an ellipsoid whose squared half axes are the eigenvalues of a "
-            "random "
-            "matrix, learned from the spread of its points. `published` and `feldmann` stand beside an estimator; "
-            "`koch` owns the "
-            "kinematics, too, and takes a motion in its own slot.")
-        .equation(
-            "v- = e^(-tau T) v, V- = V (v- - d - 1)/(v - d - 1), X = V/(v - 2d - 2); v = v- + n, V = V- + N + Z, with "
-            "N from the "
-            "centroid's innovation and Z from the scatter of the points, each as `update` says")
-        .source(
-            "W. Koch, Bayesian approach to extended object and cluster tracking using random matrices, IEEE "
-            "Transactions on "
-            "Aerospace and Electronic Systems 44(3), 2008; M. Feldmann, D. Fraenken, W. Koch, Tracking of extended "
-            "objects and "
-            "group targets using random matrices, IEEE Transactions on Signal Processing 59(4), 2011; Li et al., Radar "
-            "Science "
-            "and Technology 23(1), 2025");
-    plugin.parameter("update", &Parameters::rule)
-        .initially("published")
-        .choices(
-            {{"published", "Li et al. 2025: the scatter enters as it is, and the sensor's noise stays in the shape"},
-             {"koch",
-              "Koch 2008: shape and kinematics in one record, no sensor noise; takes a motion in slot `motion`"},
-             {"feldmann", "Feldmann, Fraenken, Koch 2011: the sensor's noise is taken out of innovation and scatter"}})
-        .doc("how points change the shape");
-    plugin.parameter("innovation_spread", &Parameters::innovation_spread)
-        .choices({{"trace", "N = e e' tr(X-)/tr(S)"},
-                  {"symmetrised", "N = (S^-1 e e' + e e' S^-1)/2, the printed formula made symmetric"},
-                  {"feldmann", "N = X-^1/2 S^-1/2 e e' S^-1/2 X-^1/2"}})
-        .doc("reading of the innovation's share N; update published only, there trace if absent");
-    plugin.parameter("start", &Parameters::start)
-        .initially("published")
-        .choices(
-            {{"published", "one scan: V0 is its undivided scatter, v0 = 2d + 3; the shape is far too large at first"},
-             {"consistent", "two scans: the sensor's noise is taken out of their common scatter"}})
-        .doc("how the shape begins");
-    plugin.parameter("lambda", &Parameters::lambda)
-        .initially("1")
-        .above(0)
-        .doc(
-            "covariance of points over the extent matrix: 1 for Gaussian points, 1/5 for a uniform ellipsoid, 1/4 for "
-            "a uniform ellipse");
-    plugin.parameter("decay", &Parameters::decay)
-        .unit("1/s")
-        .initially("0.1 1/s")
-        .min(0)
-        .doc("rate tau at which what is known of the shape is forgotten");
-    plugin.parameter("dimension", &Parameters::dimension).initially("3").min(2).max(3).doc("axes: x, y[, z]");
-    plugin.parameter("nominal_extent", &Parameters::nominal_extent)
-        .unit("m2")
-        .above(0)
-        .doc(
-            "extent by which a covariance is divided to become a multiple of the extent; update koch only, there 50 m2 "
-            "if absent");
-    plugin.slot("motion", "motion", 0, 1, "update koch only: a motion F1 (x) I, Q1 (x) I");
-    plugin.slot("sensors", "sensor", 0, -1, "update koch only: the sensors whose scans the tracker converts to points");
-}
 
 /// The random matrix beside an estimator.
 template <int D> class RandomMatrix : public pelorus::Extent<RandomMatrix<D>>, public Parameters {
@@ -94,9 +16,10 @@ public:
     void setup(const pelorus::Setup& setup) {
         for (const char* slot : {"motion", "sensors"})
             if (!setup.parts<pelorus::Part<plr_motion>>(slot).empty())
-                throw pelorus::PartError(
-                    slot, "is for update: koch; with this update the estimator beside the extent has it");
-        if (nominal_extent) throw pelorus::ParameterError("nominal_extent", "is for update: koch only");
+                throw pelorus::PartError(slot,
+                                         "is for update: koch, lan_li or variational; with this update the estimator "
+                                         "beside the extent has it");
+        if (nominal_extent) throw pelorus::ParameterError("nominal_extent", "is for update: koch or lan_li only");
         if (innovation_spread && rule != Rule::published)
             throw pelorus::ParameterError("innovation_spread", "is for update: published only");
         reading_ =
@@ -104,7 +27,7 @@ public:
         this->info.dimension = D;
         this->info.start_scans = start == Start::consistent ? 2 : 1;
         this->info.start_points = random_matrix::start_points<D>(start);
-        this->info.record_version = 1;
+        this->info.record_version = Shape::record_version;
         this->info.record_size = Shape::record_size;
     }
 
@@ -121,9 +44,13 @@ public:
         const std::int64_t count = args.out.count;
         pelorus::expect(args.dt, 1, 1, count, "dt");
         expect_records(args.record, args.out);
+        if (follow_velocity && count > 0) expect_velocities<D>(args);
         return pelorus::for_items(call, count, [&](std::int64_t i) {
             Shape shape = shape_of(args.record, i);
-            shape.forget(decay, args.dt.data[i * args.dt.item_stride]);
+            const Vector<D> none = Vector<D>::Zero();
+            step<D>(shape, args.dt.data[i * args.dt.item_stride],
+                    follow_velocity ? velocity_of<D>(args.before, i) : none,
+                    follow_velocity ? velocity_of<D>(args.after, i) : none);
             shape.write(args.out.data + i * args.out.item_stride);
         });
     }

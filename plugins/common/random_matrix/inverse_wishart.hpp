@@ -1,5 +1,5 @@
 /// The extent X of an object as an inverse-Wishart variable: degrees of freedom v and scale V, E[X] = V / (v - 2 d - 2).
-/// In a record: v, then V by columns.
+/// In a record: v, V by columns, the age.
 #pragma once
 
 #include <algorithm>
@@ -21,10 +21,12 @@ enum class Start { published, consistent };
 template <int D> constexpr std::int32_t start_points(Start start) { return start == Start::published ? D + 1 : 2; }
 
 template <int D> struct InverseWishart {
-    static constexpr int record_size = 1 + D * D;
+    static constexpr int record_size = 2 + D * D;
+    static constexpr std::uint32_t record_version = 2;
 
     double degrees = 0;
     Matrix<D> scale = Matrix<D>::Zero();  ///< m^2
+    double age = 0;                       ///< s since the start
 
     Matrix<D> extent() const { return scale / (degrees - (2 * D + 2)); }
 
@@ -35,21 +37,29 @@ template <int D> struct InverseWishart {
         const double predicted = std::max(std::exp(-rate * dt) * degrees, least);
         scale *= (predicted - D - 1) / (degrees - D - 1);
         degrees = predicted;
+        age += dt;
+    }
+    void turn(const Matrix<D>& rotation) {
+        Matrix<D> turned;
+        pelorus::small::symmetric_product(rotation, scale, turned);
+        scale = turned;
     }
 
     static InverseWishart read(const double* record) {
         InverseWishart out;
         out.degrees = record[0];
         for (int k = 0; k < D * D; ++k) out.scale.data()[k] = record[1 + k];
+        out.age = record[1 + D * D];
         return out;
     }
     /// Throws NumericError unless the expected extent is positive definite.
     void write(double* record) const {
         Matrix<D> root;
-        if (!(degrees > 2 * D + 2) || !pelorus::small::all_finite(scale) || !pelorus::small::cholesky(scale, root))
+        if (!(degrees > 2 * D + 2) || !std::isfinite(age) || !pelorus::small::all_finite(scale) || !pelorus::small::cholesky(scale, root))
             throw pelorus::NumericError("the extent is no longer positive definite");
         record[0] = degrees;
         for (int k = 0; k < D * D; ++k) record[1 + k] = scale.data()[k];
+        record[1 + D * D] = age;
     }
 };
 
@@ -96,14 +106,14 @@ InverseWishart<D> begin_shape(Start start, double lambda, const plr_extent_point
         return scatter;
     };
     if (start == Start::published)
-        return {2 * D + 3, of_full_rank<D>(enough(scatter_of<D>(scan[0], i), start_points<D>(start)).sum)};
+        return {2 * D + 3, of_full_rank<D>(enough(scatter_of<D>(scan[0], i), start_points<D>(start)).sum), 0};
     const Scatter<D> first = enough(scatter_of<D>(scan[0], i), start_points<D>(start));
     const Scatter<D> second = enough(scatter_of<D>(scan[1], i), start_points<D>(start));
     const double total = first.number + second.number;
     const Matrix<D> spread = (first.sum + second.sum) / (total - 2.0);
     const Matrix<D> noise = (first.number * first.noise + second.number * second.noise) / total;
     const Matrix<D> scaled = with_floor<D>(spread - noise, 0.05 * spread.trace() / D);
-    return {2 * D + 2 + second.number, second.number / lambda * scaled};
+    return {2 * D + 2 + second.number, second.number / lambda * scaled, 0};
 }
 
 /// Throws ArgumentError unless the outputs of a shape call, as far as they are wanted, are of D dimensions.

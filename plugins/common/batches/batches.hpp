@@ -1,4 +1,4 @@
-/// How the filter walks through a batch: in blocks, so that its parts are called for many items at once out of a bounded
+/// How an estimator walks through a batch: in blocks, so that its parts are called for many items at once out of a bounded
 /// scratch memory, and past items that a part has failed already.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 #include <pelorus/batch_model.hpp>
 
-namespace kalman {
+namespace batches {
 
 constexpr std::int64_t block_size = 16;
 
@@ -33,6 +33,27 @@ template <class Body> plr_status for_good_items(const plr_call& call, std::int64
         body(i);
     });
     return status == PLR_OK && some_failed ? static_cast<plr_status>(PLR_ITEMS_FAILED) : status;
+}
+
+/// Walks through a prediction in runs of items that stand still (dt = 0) and of items that move, since motions are not called
+/// for dt = 0: stand(call, args) and move(call, args) get the items of one run each and answer a status.
+template <class Stand, class Move>
+plr_status in_runs(const plr_call& call, const plr_estimator_predict& args, Stand&& stand, Move&& move) {
+    const auto stands = [&](std::int64_t i) { return args.dt.data[i * args.dt.item_stride] == 0.0; };
+    plr_status result = PLR_OK;
+    for (std::int64_t first = 0, end = 0; first < args.out.count; first = end) {
+        while (end < args.out.count && stands(end) == stands(first)) ++end;
+        plr_estimator_predict run = args;
+        run.dt = pelorus::slice(args.dt, first, end - first);
+        run.extent = pelorus::slice(args.extent, first, end - first);
+        run.record = pelorus::slice(args.record, first, end - first);
+        run.out = pelorus::slice(args.out, first, end - first);
+        const plr_call here = pelorus::slice(call, first);
+        const plr_status status = stands(first) ? stand(here, run) : move(here, run);
+        if (status < 0) return status;
+        if (status != PLR_OK) result = status;
+    }
+    return result;
 }
 
 /// Goes on after a part's call in which single items may have failed; throws PartFailed for any other failure.
@@ -69,4 +90,4 @@ inline plr_view field(const plr_view& records, std::int64_t offset, std::int64_t
     return {records.data + offset, rows, cols, records.count, 1, rows, records.item_stride};
 }
 
-}  // namespace kalman
+}  // namespace batches
