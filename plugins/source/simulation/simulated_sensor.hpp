@@ -43,6 +43,8 @@ public:
             throw pelorus::PartError("sensors", "sensor " + name() + " measures " +
                                                     std::to_string(measurement_.size()) + " components, at most " +
                                                     std::to_string(max_components) + " can be simulated");
+        const pelorus::Space axes = pelorus::position_space(3);
+        for (int axis = 0; axis < axes.size(); ++axis) axis_components_.push_back(cartesian_.index(axes[axis].name));
         if (part_.info().waveform != nullptr) waveform_ = pelorus::Space(*part_.info().waveform);
         if (values_.false_alarms > 0) check_box();
     }
@@ -180,11 +182,9 @@ private:
                 out.push_back(object.state[target.space().index(component.name)]);
             if (values.points_per_scan == 0) continue;
             const std::vector<double> offset = point_offset(draws, place, target, object, p);
-            const pelorus::Space axes = pelorus::position_space(target.axes());
-            for (int axis = 0; axis < axes.size(); ++axis) {
-                const int component = cartesian_.index(axes[axis].name);
-                if (component >= 0)
-                    out[base + static_cast<std::size_t>(component)] += offset[static_cast<std::size_t>(axis)];
+            for (std::size_t axis = 0; axis < offset.size(); ++axis) {
+                const int component = axis_components_[axis];
+                if (component >= 0) out[base + static_cast<std::size_t>(component)] += offset[axis];
             }
         }
         return out;
@@ -262,6 +262,7 @@ private:
     SensorValues values_;
     pelorus::Space measurement_, cartesian_, waveform_{std::vector<pelorus::Component>{}};
     std::uint64_t number_;
+    std::vector<int> axis_components_;  ///< where position.x, y, z stand among what it looks at, or -1
     std::vector<std::size_t> box_components_;
     std::optional<Command> command_;
 };

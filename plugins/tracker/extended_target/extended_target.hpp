@@ -10,6 +10,7 @@
 
 #include "joint_filter.hpp"
 #include "separate_filter.hpp"
+#include "shared_error_filter.hpp"
 
 namespace extended_target {
 
@@ -50,6 +51,13 @@ public:
         plugin.parameter("gate", &ExtendedTarget::gate_)
             .above(0)
             .doc("largest statistical distance (deviations) of a point that is used; absent: all points are");
+        plugin.parameter("shared_error", &ExtendedTarget::shared_error_)
+            .min(0)
+            .max(1)
+            .rows(1, 8)
+            .doc(
+                "shares of the sensor's noise that may be one error of all points of a scan, tried side by side and "
+                "weighed by their likelihood: [0, 1]; absent: each point has an error of its own");
     }
 
     void setup(const pelorus::Setup& setup) {
@@ -67,9 +75,16 @@ public:
                                                    " scans; this tracker starts from one or two");
         std::uint64_t scratch = extent.info().scratch_bytes;
         if (joint != nullptr) {
+            if (shared_error_)
+                throw pelorus::ParameterError("shared_error",
+                                              "needs an estimator beside the extent; here the extent (" + extent.id() +
+                                                  ") owns the kinematics");
             filter_ = std::make_unique<JointFilter>(extent, *joint);
         } else {
-            filter_ = std::make_unique<SeparateFilter>(estimator, extent);
+            if (shared_error_)
+                filter_ = std::make_unique<SharedErrorFilter>(estimator, extent, *shared_error_);
+            else
+                filter_ = std::make_unique<SeparateFilter>(estimator, extent);
             scratch = std::max(scratch, estimator.info().scratch_bytes);
         }
         for (const SensorOfPoints& sensor : filter_->sensors())
@@ -352,6 +367,7 @@ private:
     pelorus::Vector<3> start_deviations_;
     int misses_to_delete_ = 5;
     std::optional<double> gate_;
+    std::optional<std::vector<double>> shared_error_;
 
     std::unique_ptr<TargetFilter> filter_;
     pelorus::Caller caller_;

@@ -42,13 +42,16 @@ public:
         caller.require(joint_.predict(extent_.self(), &begin(caller, look), &args), "extent, predict");
     }
 
-    void update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+    double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
         const PointsView scan(points);
+        double log_likelihood = 0;
         auto args = pelorus::arguments<plr_joint_update>();
         args.scan = scan.c();
         args.record = input(records.extent);
         args.out = output(records.extent);
+        args.log_likelihood = pelorus::view(&log_likelihood, 1, 1, 1);
         caller.require(joint_.update(extent_.self(), &begin(caller, look), &args), "extent, update");
+        return log_likelihood;
     }
 
     Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const override {

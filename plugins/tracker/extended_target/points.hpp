@@ -16,8 +16,9 @@ struct Points {
     std::uint64_t sensor = 0;  ///< index in the estimator's (or joint extent's) list
     int dimension = 0;
     std::vector<double> positions;  ///< d x n, m
-    std::vector<double> noise;      ///< d x d x n, m^2
+    std::vector<double> noise;      ///< d x d x n, m^2: of each point by itself
     std::vector<std::uint64_t> ids;
+    Eigen::MatrixXd common;  ///< d x d, m^2: of an error that all have in common; empty: there is none. Never saved
 
     std::int64_t count() const noexcept { return static_cast<std::int64_t>(ids.size()); }
     double number() const noexcept { return static_cast<double>(ids.size()); }
@@ -29,6 +30,13 @@ struct Points {
         const Eigen::VectorXd mean =
             Eigen::Map<const Eigen::MatrixXd>(noise.data(), dimension * dimension, count()).rowwise().mean();
         return Eigen::Map<const Eigen::MatrixXd>(mean.data(), dimension, dimension);
+    }
+    /// The same points, whose noise is taken to be, by that share, one error of all of them.
+    Points with_common(double share) const {
+        Points out = *this;
+        if (share > 0 && count() > 0) out.common = share * mean_noise();
+        for (double& element : out.noise) element *= 1 - share;
+        return out;
     }
     /// Keeps the points whose mark is set.
     void keep(const std::vector<bool>& marks) {

@@ -76,13 +76,13 @@ public:
 
     /// The centroid is one measurement of the sensor that saw the points, with J C J' for its noise: J the sensor's Jacobian
     /// there, C the extent's effective noise. A sensor of position takes it as it is.
-    void update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+    double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
         const Moments predicted = summary(caller, look, records);
         const Eigen::VectorXd centroid = points.centroid();
         const Eigen::MatrixXd noise = effective_noise(caller, look, points, records);
         const Eigen::VectorXd innovation = centroid - predicted.mean.head(dimension());
         const Eigen::MatrixXd covariance = predicted.covariance.topLeftCorner(dimension(), dimension()) + noise;
-        update_kinematics(caller, look, points, centroid, noise, predicted, records);
+        const double log_likelihood = update_kinematics(caller, look, points, centroid, noise, predicted, records);
         const Moments posterior = summary(caller, look, records);
         const PointsView scan(points);
         auto args = pelorus::arguments<plr_extent_update>();
@@ -94,6 +94,7 @@ public:
         args.record = input(records.extent);
         args.out = output(records.extent);
         caller.require(extent_.call(&plr_extent::update, begin(caller, look), args), "extent, update");
+        return log_likelihood;
     }
 
     Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const override {
@@ -110,7 +111,8 @@ public:
                                   const Records& records) const override {
         const Moments predicted = summary(caller, look, records);
         const Eigen::VectorXd centre = predicted.mean.head(dimension());
-        const Eigen::MatrixXd covariance = predicted.covariance.topLeftCorner(dimension(), dimension());
+        Eigen::MatrixXd covariance = predicted.covariance.topLeftCorner(dimension(), dimension());
+        if (points.common.size() > 0) covariance += points.common;
         std::vector<double> out(points.ids.size());
         const PointsView scan(points);
         auto args = pelorus::arguments<plr_extent_gate>();
@@ -161,6 +163,7 @@ private:
         caller.require(estimator_.call(&plr_estimator::init, begin(caller, look), args), "estimator, init");
     }
 
+    /// Of the centroid, with what all points have in common.
     Eigen::MatrixXd effective_noise(pelorus::Caller& caller, const Look& look, const Points& points,
                                     const Records& records) const {
         const Eigen::MatrixXd noise = points.mean_noise();
@@ -173,10 +176,11 @@ private:
         args.out = pelorus::view(out);
         caller.require(extent_.call(&plr_extent::effective_noise, begin(caller, look), args),
                        "extent, effective_noise");
+        if (points.common.size() > 0) out += points.common;
         return out;
     }
 
-    void update_kinematics(pelorus::Caller& caller, const Look& look, const Points& points,
+    double update_kinematics(pelorus::Caller& caller, const Look& look, const Points& points,
                            const Eigen::VectorXd& centroid, const Eigen::MatrixXd& noise, const Moments& predicted,
                            Records& records) const {
         const SensorOfPoints& sensor = sensors_[static_cast<std::size_t>(points.sensor)];
@@ -206,7 +210,10 @@ private:
         args.measurement = pelorus::const_view(measurement);
         args.noise = pelorus::const_view(projected);
         args.out = output(records.kinematics);
+        double log_likelihood = 0;
+        args.log_likelihood = pelorus::view(&log_likelihood, 1, 1, 1);
         caller.require(estimator_.call(&plr_estimator::update, begin(caller, look), args), "estimator, update");
+        return log_likelihood;
     }
 
     pelorus::EstimatorPart estimator_;

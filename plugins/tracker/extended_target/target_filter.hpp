@@ -40,7 +40,7 @@ public:
     const std::vector<SensorOfPoints>& sensors() const noexcept { return sensors_; }
     std::uint32_t record_version() const noexcept { return version_; }
     std::size_t kinematics_size() const noexcept { return kinematics_size_; }
-    std::size_t extent_size() const noexcept { return static_cast<std::size_t>(extent_.info().record_size); }
+    std::size_t extent_size() const noexcept { return extent_size_; }
     /// 0, 1, 2 for position, velocity, acceleration; -1 for anything else.
     int derivative(int component) const noexcept { return derivative_[static_cast<std::size_t>(component)]; }
     int axis(int component) const noexcept { return axis_[static_cast<std::size_t>(component)]; }
@@ -52,13 +52,14 @@ public:
     virtual Records start_differenced(pelorus::Caller& caller, const Look& look,
                                       const std::vector<const Points*>& scans, const Eigen::VectorXd& mean) const = 0;
     virtual void predict(pelorus::Caller& caller, const Look& look, double dt, Records& records) const = 0;
-    virtual void update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const = 0;
+    /// Answers ln of the centroid's likelihood.
+    virtual double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const = 0;
     virtual Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const = 0;
     /// Squared statistical distance of each point.
     virtual std::vector<double> distances(pelorus::Caller& caller, const Look& look, const Points& points,
                                           const Records& records) const = 0;
 
-    Eigen::MatrixXd shape(pelorus::Caller& caller, const Look& look, const Records& records) const {
+    virtual Eigen::MatrixXd shape(pelorus::Caller& caller, const Look& look, const Records& records) const {
         Eigen::MatrixXd matrix(dimension(), dimension());
         auto args = pelorus::arguments<plr_extent_shape>();
         args.record = input(records.extent);
@@ -68,7 +69,16 @@ public:
     }
 
 protected:
-    explicit TargetFilter(const pelorus::ExtentPart& extent) : extent_(extent) {}
+    explicit TargetFilter(const pelorus::ExtentPart& extent)
+        : extent_(extent), extent_size_(static_cast<std::size_t>(extent.info().record_size)) {}
+
+    /// Takes over what another filter has found out about the space and the sensors.
+    void take_space(const TargetFilter& other) {
+        space_ = other.space_;
+        sensors_ = other.sensors_;
+        derivative_ = other.derivative_;
+        axis_ = other.axis_;
+    }
 
     /// Takes over the Cartesian space of the kinematics. Throws PartError where its positions are not the extent's axes.
     void describe(const plr_space& cartesian, const plr_part* sensors, std::uint32_t count, const std::string& slot) {
@@ -137,7 +147,7 @@ protected:
     std::vector<SensorOfPoints> sensors_;
     std::vector<int> derivative_, axis_;
     std::uint32_t version_ = 0;
-    std::size_t kinematics_size_ = 0;
+    std::size_t kinematics_size_ = 0, extent_size_ = 0;
 };
 
 }  // namespace extended_target
