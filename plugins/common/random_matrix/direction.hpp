@@ -50,8 +50,7 @@ template <int D> void expect_velocities(const plr_extent_predict& args) {
 /// The velocity in the kinematics of item i: c x 1, positions first, then velocities.
 template <int D> Vector<D> velocity_of(const plr_const_view& kinematics, std::int64_t i) {
     Vector<D> out;
-    for (int k = 0; k < D; ++k)
-        out(k) = kinematics.data[i * kinematics.item_stride + (D + k) * kinematics.row_stride];
+    for (int k = 0; k < D; ++k) out(k) = kinematics.data[i * kinematics.item_stride + (D + k) * kinematics.row_stride];
     return out;
 }
 

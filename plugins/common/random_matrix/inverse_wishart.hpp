@@ -55,7 +55,8 @@ template <int D> struct InverseWishart {
     /// Throws NumericError unless the expected extent is positive definite.
     void write(double* record) const {
         Matrix<D> root;
-        if (!(degrees > 2 * D + 2) || !std::isfinite(age) || !pelorus::small::all_finite(scale) || !pelorus::small::cholesky(scale, root))
+        if (!(degrees > 2 * D + 2) || !std::isfinite(age) || !pelorus::small::all_finite(scale) ||
+            !pelorus::small::cholesky(scale, root))
             throw pelorus::NumericError("the extent is no longer positive definite");
         record[0] = degrees;
         for (int k = 0; k < D * D; ++k) record[1 + k] = scale.data()[k];

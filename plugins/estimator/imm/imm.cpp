@@ -29,9 +29,9 @@ void share_prior(const std::vector<pelorus::Space>& spaces, pelorus::Component& 
 }  // namespace
 
 JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
-    const auto largest = std::max_element(
-        spaces.begin(), spaces.end(),
-        [](const pelorus::Space& a, const pelorus::Space& b) { return a.size() < b.size(); });
+    const auto largest =
+        std::max_element(spaces.begin(), spaces.end(),
+                         [](const pelorus::Space& a, const pelorus::Space& b) { return a.size() < b.size(); });
     std::vector<pelorus::Component> all = largest->components();
     for (const pelorus::Space& each : spaces) {
         for (const pelorus::Component& component : each.components()) {
@@ -51,7 +51,8 @@ JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
     space = pelorus::Space(all);
     for (const pelorus::Space& each : spaces) {
         Place place;
-        for (const pelorus::Component& component : each.components()) place.index.push_back(space.index(component.name));
+        for (const pelorus::Component& component : each.components())
+            place.index.push_back(space.index(component.name));
         place.is_whole = each.same(space);
         is_shared = is_shared && place.is_whole;
         places.push_back(place);
@@ -71,8 +72,8 @@ void Filter::build(const pelorus::Setup& setup) {
         throw PartError("estimators", "holds " + std::to_string(parts.size()) + " filters, at most " +
                                           std::to_string(max_models) + " are taken");
     if (parts.size() > 1 && !(stay_ * static_cast<double>(parts.size()) >= 1))
-        throw pelorus::ParameterError("stay", "must be at least 1/" + std::to_string(parts.size()) +
-                                                  ", which is leaving a model to chance");
+        throw pelorus::ParameterError(
+            "stay", "must be at least 1/" + std::to_string(parts.size()) + ", which is leaving a model to chance");
     std::vector<pelorus::Space> states, cartesians;
     record_size_ = static_cast<std::int64_t>(parts.size());
     for (const auto& part : parts) {
@@ -213,8 +214,8 @@ plr_status Filter::init(const plr_call& call, const plr_estimator_init& args) co
             start.record = records_of(models_[j], records);
             tolerate(models_[j].part.call(&plr_estimator::init, block, start));
         }
-        return for_good_items(
-            block, items, [&](std::int64_t i) { std::fill_n(at(records, i), count(), 1.0 / count()); });
+        return for_good_items(block, items,
+                              [&](std::int64_t i) { std::fill_n(at(records, i), count(), 1.0 / count()); });
     });
 }
 
@@ -318,9 +319,8 @@ const double* Filter::weights_of(const plr_const_view& records, std::int64_t i) 
 plr_status Filter::probabilities(const plr_call& call, const plr_const_view& record, const plr_view& out) const {
     expect_packed(record, record_size_, 1, out.count, "record");
     expect_packed(out, count(), 1, out.count, "out");
-    return pelorus::for_items(call, out.count, [&](std::int64_t i) {
-        std::copy_n(weights_of(record, i), count(), at(out, i));
-    });
+    return pelorus::for_items(call, out.count,
+                              [&](std::int64_t i) { std::copy_n(weights_of(record, i), count(), at(out, i)); });
 }
 
 template <bool assigns> void Imm<assigns>::describe(pelorus::Describe<Imm>& plugin) {
@@ -349,9 +349,8 @@ template <bool assigns> void Imm<assigns>::setup(const pelorus::Setup& setup) {
     this->info = this->told();
     modes_ = {sizeof(plr_estimator_modes), static_cast<std::int32_t>(this->names().size()), this->names().data(),
               [](const void* self, const plr_call* call, const plr_const_view* record, const plr_view* out) {
-                  return pelorus::guarded(call->error, [&] {
-                      return static_cast<const Imm*>(self)->probabilities(*call, *record, *out);
-                  });
+                  return pelorus::guarded(
+                      call->error, [&] { return static_cast<const Imm*>(self)->probabilities(*call, *record, *out); });
               }};
 }
 

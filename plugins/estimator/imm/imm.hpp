@@ -97,8 +97,8 @@ private:
     void look(const plr_call& block, std::int32_t index, const plr_const_view& records, double* memory,
               const Crosses& crosses) const;
     void load_looks(const SeenBy& by, const double* memory, std::int64_t item, Gaussian<max_measurement>* out) const;
-    void tell_cross(const SeenBy& by, bool is_cartesian, const Looked& looked, const double* weights,
-                    std::int64_t item, double* out) const;
+    void tell_cross(const SeenBy& by, bool is_cartesian, const Looked& looked, const double* weights, std::int64_t item,
+                    double* out) const;
     void update_models(const plr_call& block, const plr_estimator_update& args, double* likelihoods) const;
     void tell_innovation(const plr_call& block, const plr_estimator_update& args, double* memory) const;
     void weigh(const double* before, const double* log_likelihoods, double* after, double& told) const;
@@ -128,14 +128,18 @@ public:
     plr_status project(const plr_call& call, const plr_estimator_project& args) const {
         return Filter::project(call, args);
     }
-    plr_status update(const plr_call& call, const plr_estimator_update& args) const { return Filter::update(call, args); }
+    plr_status update(const plr_call& call, const plr_estimator_update& args) const {
+        return Filter::update(call, args);
+    }
     plr_status summary(const plr_call& call, const plr_estimator_moments& args) const {
         return Filter::summary(call, args);
     }
     plr_status moments(const plr_call& call, const plr_estimator_moments& args) const {
         return Filter::moments(call, args);
     }
-    plr_status assign(const plr_call& call, const plr_estimator_assign& args) const { return Filter::assign(call, args); }
+    plr_status assign(const plr_call& call, const plr_estimator_assign& args) const {
+        return Filter::assign(call, args);
+    }
 
 private:
     plr_estimator_modes modes_{};

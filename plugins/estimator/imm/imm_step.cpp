@@ -122,8 +122,8 @@ void Filter::load_looks(const SeenBy& by, const double* memory, std::int64_t ite
                         Gaussian<max_measurement>* out) const {
     for (int j = 0; j < count(); ++j) {
         out[j].mean = Eigen::Map<const Column<max_measurement>>(memory + item * by.m, by.m, 1);
-        out[j].covariance = Eigen::Map<const Square<max_measurement>>(
-            memory + block_size * by.m + item * by.m * by.m, by.m, by.m);
+        out[j].covariance =
+            Eigen::Map<const Square<max_measurement>>(memory + block_size * by.m + item * by.m * by.m, by.m, by.m);
         memory += block_size * (by.m + by.m * by.m);
     }
 }
@@ -184,8 +184,7 @@ void Filter::tell_cross(const SeenBy& by, bool is_cartesian, const Looked& looke
         const std::int64_t k = is_cartesian ? models_[j].c : models_[j].n;
         const double* const own = Crosses::of(looked.crosses, j, by.m) + item * k * by.m;
         for (int col = 0; col < static_cast<int>(by.m); ++col) {
-            for (int row = 0; row < n; ++row)
-                out[col * n + row] += weights[j] * apart.of[j](row) * seen.of[j](col);
+            for (int row = 0; row < n; ++row) out[col * n + row] += weights[j] * apart.of[j](row) * seen.of[j](col);
             for (int row = 0; row < static_cast<int>(k); ++row)
                 out[col * n + joined.places[j].at(row)] += weights[j] * own[col * k + row];
         }

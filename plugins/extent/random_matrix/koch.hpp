@@ -57,8 +57,7 @@ public:
         const double noise = points.volume / scatter.number, scale = item.spread(0, 0) + noise;
         told.innovation = scatter.centroid - item.state.col(0);
         told.covariance = extent * scale;
-        told.log_likelihood =
-            log_normal(told.innovation, told.covariance) + log_spread<D>(scatter, points.covariance);
+        told.log_likelihood = log_normal(told.innovation, told.covariance) + log_spread<D>(scatter, points.covariance);
         correct_kinematics(item, told.innovation, scale, noise);
         item.shape.degrees += scatter.number;
         pelorus::small::add_outer(1.0 / scale, told.innovation, item.shape.scale);
@@ -89,8 +88,8 @@ private:
             throw not_definite();
         pelorus::small::multiply(root, inverse, out.inverse_factor);
         // det B = sqrt(det Y / det X).
-        out.volume = std::exp(
-            (pelorus::small::log_determinant(factor_y) - pelorus::small::log_determinant(factor_x)) / D);
+        out.volume =
+            std::exp((pelorus::small::log_determinant(factor_y) - pelorus::small::log_determinant(factor_x)) / D);
         return out;
     }
 

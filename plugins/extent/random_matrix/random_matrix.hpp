@@ -1,7 +1,7 @@
 /// extent.random_matrix, update `published` and `feldmann`: an inverse-Wishart extent beside an estimator. See README.md.
 #pragma once
 
-#include "../../common/random_matrix/scatter.hpp"
+#include "../../common/random_matrix/feldmann.hpp"
 #include "parameters.hpp"
 
 namespace random_matrix {
@@ -22,8 +22,6 @@ public:
         if (nominal_extent) throw pelorus::ParameterError("nominal_extent", "is for update: koch or lan_li only");
         if (innovation_spread && rule != Rule::published)
             throw pelorus::ParameterError("innovation_spread", "is for update: published only");
-        reading_ =
-            rule == Rule::feldmann ? InnovationSpread::feldmann : innovation_spread.value_or(InnovationSpread::trace);
         this->info.dimension = D;
         this->info.start_scans = start == Start::consistent ? 2 : 1;
         this->info.start_points = random_matrix::start_points<D>(start);
@@ -124,13 +122,10 @@ private:
             const Matrix<D> point = point_covariance(predicted, scatter.noise);
             const Vector<D> innovation = pelorus::load<D, 1>(args.innovation, i);
             const Matrix<D> covariance = pelorus::load<D, D>(args.innovation_covariance, i);
-            shape.degrees += scatter.number;
-            shape.scale += innovation_share(predicted, innovation, covariance);
-            shape.scale += rule == Rule::feldmann ? whitened<D>(predicted, point, scatter.sum) : scatter.sum;
-            pelorus::small::symmetrise(shape.scale);
-            // The symmetrised print is indefinite: a large innovation could turn the scale so, too.
-            if (reading_ == InnovationSpread::symmetrised)
-                shape.scale = with_floor<D>(shape.scale, least_relative_eigenvalue * shape.scale.trace() / D);
+            if (rule == Rule::feldmann)
+                update_feldmann<D>(shape, predicted, point, scatter, innovation, covariance);
+            else
+                update_published(shape, predicted, scatter, innovation, covariance);
             if (args.log_likelihood.data != nullptr) log_likelihood = log_spread(scatter, point);
         }
         shape.write(args.out.data + i * args.out.item_stride);
@@ -138,11 +133,22 @@ private:
             pelorus::store<1, 1>(args.log_likelihood, i, Matrix<1>::Constant(log_likelihood));
     }
 
+    void update_published(Shape& shape, const Matrix<D>& predicted, const Scatter<D>& scatter,
+                          const Vector<D>& innovation, const Matrix<D>& covariance) const {
+        const InnovationSpread reading = innovation_spread.value_or(InnovationSpread::trace);
+        shape.degrees += scatter.number;
+        shape.scale += innovation_share(reading, predicted, innovation, covariance) + scatter.sum;
+        pelorus::small::symmetrise(shape.scale);
+        // The symmetrised print is indefinite: a large innovation could turn the scale so, too.
+        if (reading == InnovationSpread::symmetrised)
+            shape.scale = with_floor<D>(shape.scale, least_relative_eigenvalue * shape.scale.trace() / D);
+    }
+
     /// N, in m^2 (the symmetrised print: a pure number that is added as m^2).
-    Matrix<D> innovation_share(const Matrix<D>& predicted, const Vector<D>& innovation,
-                               const Matrix<D>& covariance) const {
+    static Matrix<D> innovation_share(InnovationSpread reading, const Matrix<D>& predicted, const Vector<D>& innovation,
+                                      const Matrix<D>& covariance) {
         const Matrix<D> outer = innovation * innovation.transpose();
-        switch (reading_) {
+        switch (reading) {
             case InnovationSpread::trace:
                 return outer * (predicted.trace() / covariance.trace());
             case InnovationSpread::symmetrised: {
@@ -158,7 +164,6 @@ private:
     }
 
     static constexpr double least_relative_eigenvalue = 1e-3;
-    InnovationSpread reading_ = InnovationSpread::trace;
 };
 
 }  // namespace random_matrix

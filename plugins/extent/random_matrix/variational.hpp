@@ -18,8 +18,7 @@ public:
 
     void setup(const pelorus::Setup& setup) {
         this->take_parts(setup);
-        if (this->nominal_extent)
-            throw pelorus::ParameterError("nominal_extent", "is for update: koch or lan_li only");
+        if (this->nominal_extent) throw pelorus::ParameterError("nominal_extent", "is for update: koch or lan_li only");
     }
 
     int spread_size() const { return this->block() * D; }
@@ -53,11 +52,9 @@ public:
         const int b = this->block(), c = b * D;
         Spread left = Spread::Zero(c, c), out = Spread::Zero(c, c);
         for (int r = 0; r < b; ++r)
-            for (int k = 0; k < b; ++k)
-                left.middleRows(r * D, D) += transition(r, k) * spread.middleRows(k * D, D);
+            for (int k = 0; k < b; ++k) left.middleRows(r * D, D) += transition(r, k) * spread.middleRows(k * D, D);
         for (int r = 0; r < b; ++r)
-            for (int k = 0; k < b; ++k)
-                out.middleCols(r * D, D) += transition(r, k) * left.middleCols(k * D, D);
+            for (int k = 0; k < b; ++k) out.middleCols(r * D, D) += transition(r, k) * left.middleCols(k * D, D);
         for (int r = 0; r < b; ++r)
             for (int k = 0; k < b; ++k)
                 for (int axis = 0; axis < D; ++axis) out(r * D + axis, k * D + axis) += noise(r, k);

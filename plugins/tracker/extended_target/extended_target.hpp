@@ -76,9 +76,9 @@ public:
         std::uint64_t scratch = extent.info().scratch_bytes;
         if (joint != nullptr) {
             if (shared_error_)
-                throw pelorus::ParameterError("shared_error",
-                                              "needs an estimator beside the extent; here the extent (" + extent.id() +
-                                                  ") owns the kinematics");
+                throw pelorus::ParameterError(
+                    "shared_error",
+                    "needs an estimator beside the extent; here the extent (" + extent.id() + ") owns the kinematics");
             filter_ = std::make_unique<JointFilter>(extent, *joint);
         } else {
             if (shared_error_)

@@ -181,8 +181,8 @@ private:
     }
 
     double update_kinematics(pelorus::Caller& caller, const Look& look, const Points& points,
-                           const Eigen::VectorXd& centroid, const Eigen::MatrixXd& noise, const Moments& predicted,
-                           Records& records) const {
+                             const Eigen::VectorXd& centroid, const Eigen::MatrixXd& noise, const Moments& predicted,
+                             Records& records) const {
         const SensorOfPoints& sensor = sensors_[static_cast<std::size_t>(points.sensor)];
         const std::string name = "sensor " + sensor.part().name();
         const int m = sensor.measurement().size(), c = sensor.cartesian().size();

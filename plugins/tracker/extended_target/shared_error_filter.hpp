@@ -84,8 +84,8 @@ public:
     std::vector<double> distances(pelorus::Caller& caller, const Look& look, const Points& points,
                                   const Records& records) const override {
         const auto logs = records.kinematics.begin();
-        const auto h = static_cast<std::size_t>(
-            std::max_element(logs, logs + static_cast<std::ptrdiff_t>(shares_.size())) - logs);
+        const auto h =
+            static_cast<std::size_t>(std::max_element(logs, logs + static_cast<std::ptrdiff_t>(shares_.size())) - logs);
         return inner_.distances(caller, look, points.with_common(shares_[h]), records_of(records, h));
     }
 
