@@ -168,7 +168,11 @@ Body sample_body(const ExtentCalls& calls, Sample& sample) {
         const double half_axis = sample.uniform(0.8, 1.2) * (k == 0 ? 30.0 : 14.0);
         squares(k) = half_axis * half_axis;
     }
-    const Eigen::MatrixXd axes = sample.rotation(static_cast<int>(d)), scaled = axes * squares.asDiagonal();
+    // The long axis lies along the velocity, as that of ships and aircraft does: an extent may take it so.
+    Eigen::MatrixXd axes = sample.rotation(static_cast<int>(d));
+    const Eigen::VectorXd bisector = axes.col(0) - body.velocity.normalized();
+    if (bisector.norm() > 1e-6) axes -= bisector * (bisector.transpose() * axes).eval() * (2 / bisector.squaredNorm());
+    const Eigen::MatrixXd scaled = axes * squares.asDiagonal();
     body.shape = scaled * axes.transpose();
     body.shape = 0.5 * (body.shape + body.shape.transpose()).eval();
     body.noise = sample.covariance(Eigen::VectorXd::Constant(d, 1.0));

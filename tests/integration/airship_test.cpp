@@ -68,9 +68,9 @@ Figures monte_carlo(int runs, const Sets& sets) {
             position[k] += p[k] * p[k] / runs;
             velocity[k] += v[k] * v[k] / runs;
         }
-        out.short_axis += scalar(table(results, "shape"), "short_axis_error") / runs;
-        out.long_axis += scalar(table(results, "shape"), "long_axis_error") / runs;
-        out.angle += scalar(table(results, "shape"), "axis_angle_error") / runs;
+        out.short_axis += scalar(table(results, "shape"), "minor_axis_error") / runs;
+        out.long_axis += scalar(table(results, "shape"), "major_axis_error") / runs;
+        out.angle += scalar(table(results, "shape"), "axis_angle") / runs;
     }
     for (std::size_t k = 0; k < 100; ++k) {
         out.position += std::sqrt(position[k]) / 100;
@@ -105,7 +105,7 @@ TEST_CASE("the published filter makes the reproduced errors of the airship", "[a
         {"A, 22 points", {{"world.targets.airship.points_per_scan", "22"}}, 2.06, 0.86},
         {"A, 16 points, noise 5 m", {{"world.sensors.radar.noise", "5 m"}}, 2.71, 1.02},
         {"B, 16 points", {{"world.sensors.radar.shared_error", "true"}}, 2.64, 1.09},
-        {"C, 16 points", {{"world.targets.airship.legs", "[{turn_rate: 2 deg/s}]"}}, 2.50, 1.24},
+        {"C, 16 points", {{"world.targets.airship.turn_rate", "2 deg/s"}}, 2.50, 1.24},
     }));
     const Figures made = monte_carlo(200, sets);
     INFO(name << ": position " << made.position << " m, velocity " << made.velocity << " m/s");

@@ -45,6 +45,7 @@ TEST_CASE("the airship tracker repeats the trace of every update rule", "[airshi
         {"paper_ffkN", "{update: published, innovation_spread: feldmann}"},
         {"feldmann2011", "{update: feldmann}"},
         {"koch2008", "{update: koch}"},
+        {"lanli2012", "{update: lan_li}"},
     }));
     INFO(rule << " by " << extent);
     const auto told = track(extent, trace);

@@ -82,7 +82,7 @@ TEST_CASE("new motion: builds out of tree and runs") { check_kind("motion", trac
 TEST_CASE("new sensor: builds out of tree and runs", "[release-only]") { check_kind("sensor", tracked); }
 TEST_CASE("new estimator: builds out of tree and runs", "[release-only]") { check_kind("estimator", tracked); }
 TEST_CASE("new extent: builds out of tree and runs", "[release-only]") {
-    check_kind("extent", {"shape.long_axis_error", 0.01, 1});
+    check_kind("extent", {"shape.major_axis_error", 0.01, 1});
 }
 TEST_CASE("new partitioner: builds out of tree and runs", "[release-only]") {
     check_kind("partitioner", {"cells.mean_cells", 1.5, 2.5});

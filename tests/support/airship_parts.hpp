@@ -27,15 +27,21 @@ inline std::shared_ptr<const BenchInstance> part(Bench& bench, const std::string
 inline const char* const airship_motion =
     "{form: truncated, maneuver_rate: 0.1 1/s, acceleration: 0.1 m/s2, prior_acceleration: 0.5 m/s2}";
 
-/// What stands in the slots of tracker.extended_target: a Kalman filter beside the extent, or, for update koch, nothing.
+/// Whether parameters of extent.random_matrix name an update that has the kinematics, too.
+inline bool is_joint(const std::string& extent) {
+    for (const char* update : {"koch", "lan_li", "variational"})
+        if (extent.find(update) != std::string::npos) return true;
+    return false;
+}
+
+/// What stands in the slots of tracker.extended_target: a Kalman filter beside the extent, or, with a joint update, nothing.
 inline std::vector<Part> airship_tracker_parts(Bench& bench, const std::string& extent,
                                                const std::string& sensor = "position",
                                                const std::string& sensor_with = "{noise: 1 m}") {
     const auto radar = part(bench, "sensor", sensor, sensor_with);
     const auto motion = part(bench, "motion", "singer", airship_motion);
     std::vector<Part> inner{{"motion", "", motion}, {"sensors", "radar", radar}};
-    if (extent.find("koch") != std::string::npos)
-        return {{"extent", "", part(bench, "extent", "random_matrix", extent, inner)}};
+    if (is_joint(extent)) return {{"extent", "", part(bench, "extent", "random_matrix", extent, inner)}};
     return {{"estimator", "", part(bench, "estimator", "kalman", "{}", inner)},
             {"extent", "", part(bench, "extent", "random_matrix", extent)}};
 }

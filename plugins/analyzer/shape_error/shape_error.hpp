@@ -85,11 +85,11 @@ private:
     static constexpr std::size_t measure_count = 6;
     /// In the order of values_of.
     static const std::array<Measure, measure_count>& measures() {
-        static const std::array<Measure, measure_count> all{{{"short_axis_error", "m"},
-                                                             {"long_axis_error", "m"},
-                                                             {"axis_angle_error", "deg"},
-                                                             {"short_axis_bias", "m"},
-                                                             {"long_axis_bias", "m"},
+        static const std::array<Measure, measure_count> all{{{"minor_axis_error", "m"},
+                                                             {"major_axis_error", "m"},
+                                                             {"axis_angle", "deg"},
+                                                             {"minor_axis_bias", "m"},
+                                                             {"major_axis_bias", "m"},
                                                              {"gaussian_wasserstein", "m"}}};
         return all;
     }

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "../../../tests/support/airship_parts.hpp"
+#include "../../../tests/support/extent_under_test.hpp"
 
 namespace {
 
@@ -11,146 +11,6 @@ using namespace test_support;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Points of several objects, ragged.
-struct Cloud {
-    std::vector<std::int64_t> offsets{0};
-    std::vector<double> points, noise, weights;
-    int d;
-
-    explicit Cloud(int dimension) : d(dimension) {}
-    Cloud(const MatrixXd& columns, const MatrixXd& covariance) : d(static_cast<int>(columns.rows())) {
-        add(columns, covariance);
-    }
-    void add(const MatrixXd& columns, const MatrixXd& covariance) {
-        points.insert(points.end(), columns.data(), columns.data() + columns.size());
-        for (Eigen::Index k = 0; k < columns.cols(); ++k)
-            noise.insert(noise.end(), covariance.data(), covariance.data() + covariance.size());
-        offsets.push_back(offsets.back() + columns.cols());
-    }
-    plr_extent_points c() const {
-        return {offsets.data(), pelorus::const_view(points.data(), d, 1, offsets.back()),
-                pelorus::const_view(noise.data(), d, d, offsets.back()),
-                weights.empty() ? pelorus::absent_view() : pelorus::const_view(weights.data(), 1, 1, offsets.back())};
-    }
-};
-
-/// An extent plugin asked item by item or in a batch. Records are columns.
-class ExtentUnderTest {
-public:
-    explicit ExtentUnderTest(const std::string& with) : instance_(bench_, plugin("extent", "random_matrix"), with) {}
-    const plr_extent& table() const { return instance_.table<plr_extent>(); }
-    const plr_extent_info& info() const { return *table().info(instance_.self()); }
-
-    MatrixXd init(const std::vector<Cloud>& scans, Call& call, plr_status expected = PLR_OK) const {
-        std::vector<plr_extent_points> raw;
-        for (const Cloud& scan : scans) raw.push_back(scan.c());
-        const auto count = static_cast<Eigen::Index>(scans.front().offsets.size() - 1);
-        const double times[] = {0, 1};
-        MatrixXd records = MatrixXd::Zero(info().record_size, count);
-        auto args = pelorus::arguments<plr_extent_init>();
-        args.scans = static_cast<std::uint32_t>(raw.size());
-        args.scan = raw.data();
-        args.times = pelorus::const_view(times, static_cast<std::int64_t>(raw.size()), 1, 1);
-        args.record = out(records);
-        REQUIRE(table().init(instance_.self(), &static_cast<const plr_call&>(call), &args) == expected);
-        return records;
-    }
-    MatrixXd init(const std::vector<Cloud>& scans) const {
-        Call call(64);
-        return init(scans, call);
-    }
-    MatrixXd predict(MatrixXd records, double dt) const {
-        Call call(64);
-        auto args = pelorus::arguments<plr_extent_predict>();
-        args.dt = pelorus::common_view(&dt, 1, 1, records.cols());
-        args.record = in(records);
-        args.out = out(records);
-        REQUIRE(table().predict(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        return records;
-    }
-    struct Updated {
-        MatrixXd records;
-        VectorXd log_likelihood;
-    };
-    /// Innovations as columns, covariances side by side.
-    Updated update(const MatrixXd& records, const Cloud& scan, const MatrixXd& innovation,
-                   const MatrixXd& covariance) const {
-        Call call(64);
-        const std::int64_t n = records.cols(), d = scan.d;
-        Updated result{records, VectorXd::Zero(n)};
-        auto args = pelorus::arguments<plr_extent_update>();
-        args.scan = scan.c();
-        args.innovation = pelorus::const_view(innovation.data(), d, 1, n);
-        args.innovation_covariance = pelorus::const_view(covariance.data(), d, d, n);
-        args.record = in(records);
-        args.out = out(result.records);
-        args.log_likelihood = pelorus::view(result.log_likelihood.data(), 1, 1, n);
-        REQUIRE(table().update(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        return result;
-    }
-    MatrixXd effective_noise(const MatrixXd& record, const MatrixXd& noise, double number) const {
-        Call call;
-        MatrixXd result = noise;
-        auto args = pelorus::arguments<plr_extent_effective_noise>();
-        args.record = in(record);
-        args.noise = pelorus::const_view(noise);
-        args.number = pelorus::const_view(&number, 1, 1, 1);
-        args.out = pelorus::view(result);
-        REQUIRE(table().effective_noise(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        return result;
-    }
-    struct Shape {
-        MatrixXd matrix, axes;
-        VectorXd half_axes;
-    };
-    Shape shape(const MatrixXd& record) const {
-        Call call;
-        const auto d = info().dimension;
-        Shape result{MatrixXd(d, d), MatrixXd(d, d), VectorXd(d)};
-        auto args = pelorus::arguments<plr_extent_shape>();
-        args.record = in(record);
-        args.matrix = pelorus::view(result.matrix);
-        args.half_axes = pelorus::view(result.half_axes);
-        args.axes = pelorus::view(result.axes);
-        REQUIRE(table().shape(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        return result;
-    }
-    VectorXd gate(const MatrixXd& record, const VectorXd& centre, const MatrixXd& covariance, const Cloud& scan) const {
-        Call call;
-        VectorXd result(scan.offsets.back());
-        auto args = pelorus::arguments<plr_extent_gate>();
-        args.record = in(record);
-        args.predicted = pelorus::const_view(centre);
-        args.covariance = pelorus::const_view(covariance);
-        args.scan = scan.c();
-        args.squared_distance = pelorus::view(result.data(), 1, 1, scan.offsets.back());
-        REQUIRE(table().gate(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        return result;
-    }
-
-private:
-    static plr_const_view in(const MatrixXd& records) {
-        return pelorus::const_view(records.data(), records.rows(), 1, records.cols());
-    }
-    static plr_view out(MatrixXd& records) { return pelorus::view(records.data(), records.rows(), 1, records.cols()); }
-    Bench bench_;
-    BenchInstance instance_;
-};
-
-/// n points N(centre, X), the same for the same seed.
-MatrixXd cloud(int d, int n, std::uint64_t seed, const MatrixXd& extent, double offset = 0) {
-    MatrixXd unit(d, n);
-    pelorus::host::random_service().normal({{seed, 1}}, 0, unit.size(), unit.data());
-    const MatrixXd root = extent.llt().matrixL();
-    return (root * unit).array() + offset;
-}
-MatrixXd scatter(const MatrixXd& points) {
-    const MatrixXd centred = points.colwise() - points.rowwise().mean();
-    return centred * centred.transpose();
-}
-MatrixXd diagonal(std::initializer_list<double> values) {
-    return VectorXd(Eigen::Map<const VectorXd>(values.begin(), static_cast<Eigen::Index>(values.size()))).asDiagonal();
-}
 double log_normal(const VectorXd& e, const MatrixXd& covariance) {
     return -0.5 * (static_cast<double>(e.size()) * std::log(2 * std::acos(-1.0)) + std::log(covariance.determinant()) +
                    e.dot(covariance.inverse() * e));
@@ -376,4 +236,109 @@ TEST_CASE("random matrix: parameters and parts of another update are refused", "
     CHECK(refusal("{update: koch}", {{"motion", "", uneven}}) ==
           "motion: motion.singer does not offer pelorus.motion.structure.draft/1: update: koch takes a motion F1 (x) "
           "I, Q1 (x) I");
+}
+
+TEST_CASE("random matrix: a shape that follows turns as the velocity does, once it is old enough", "[random_matrix]") {
+    const std::string with = "{update: feldmann, start: consistent, follow_velocity: true, follow_after: 2 s}";
+    const ExtentUnderTest extent(with), still("{update: feldmann, start: consistent}");
+    const MatrixXd points = cloud(3, 40, 1, ellipsoid);
+    MatrixXd record = extent.init({{points, unit_noise}, {points, unit_noise}}), other = record;
+    VectorXd before(6), after(6);
+    before << 1, 2, 3, 20, 0, 0;
+    after << 21, 2, 3, 20 * std::cos(0.2), 20 * std::sin(0.2), 0;
+    record = extent.predict(record, 1, before, after);  // too young
+    other = still.predict(other, 1);
+    CHECK(record == other);
+    record = extent.predict(record, 1, before, after);
+    other = still.predict(other, 1);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const MatrixXd expected = turn * still.shape(other).matrix * turn.transpose();
+    CHECK((extent.shape(record).matrix - expected).norm() < 1e-9 * expected.norm());
+    // Who stands still has no direction.
+    before.tail(3).setZero();
+    CHECK((extent.shape(extent.predict(record, 1, before, after)).matrix - still.shape(still.predict(record, 1)).matrix)
+              .norm() < 1e-9);
+}
+
+namespace {
+
+/// Orguner's update point by point, as it is printed: clean points N(y_j, Sigma), then kinematics, then shape; six sweeps.
+struct Swept {
+    VectorXd mean;
+    MatrixXd covariance, scale;
+    double degrees;
+};
+Swept swept(const Swept& prior, const MatrixXd& points, const MatrixXd& noise, double lambda) {
+    const Eigen::Index n = points.cols(), c = prior.mean.size();
+    MatrixXd h = MatrixXd::Zero(3, c);
+    h.leftCols(3).setIdentity();
+    Swept now = prior;
+    for (int sweep = 0; sweep < 6; ++sweep) {
+        const MatrixXd a = (now.degrees - 4) * now.scale.inverse() / lambda;  // E[(lambda X)^-1]
+        const MatrixXd sigma = (a + noise.inverse()).inverse();
+        MatrixXd clean(3, n);
+        for (Eigen::Index j = 0; j < n; ++j)
+            clean.col(j) = sigma * (a * h * now.mean + noise.inverse() * points.col(j));
+        const MatrixXd information = prior.covariance.inverse();
+        now.covariance = (information + static_cast<double>(n) * h.transpose() * a * h).inverse();
+        now.mean = now.covariance *
+                   (information * prior.mean + static_cast<double>(n) * h.transpose() * a * clean.rowwise().mean());
+        now.degrees = prior.degrees + static_cast<double>(n);
+        now.scale = prior.scale;
+        for (Eigen::Index j = 0; j < n; ++j) {
+            const VectorXd e = clean.col(j) - h * now.mean;
+            now.scale += (e * e.transpose() + h * now.covariance * h.transpose() + sigma) / lambda;
+        }
+    }
+    return now;
+}
+
+}  // namespace
+
+TEST_CASE("random matrix: the variational update is six sweeps of the printed formulas", "[random_matrix]") {
+    const double lambda = GENERATE(1.0, 0.2);
+    Bench bench;
+    const auto motion = part(bench, "motion", "singer", airship_motion);
+    const auto radar = part(bench, "sensor", "position", "{noise: 1 m}");
+    const BenchInstance instance(bench, plugin("extent", "random_matrix"),
+                                 "{update: variational, start: consistent, lambda: " + std::to_string(lambda) + "}",
+                                 {{"motion", "", motion}, {"sensors", "radar", radar}});
+    const auto& table = instance.table<plr_extent>();
+    const auto& joint = *static_cast<const plr_extent_joint*>(table.head.extension(instance.self(), PLR_EXTENT_JOINT));
+    const std::int64_t r = table.info(instance.self())->record_size;
+    const MatrixXd noise = diagonal({4, 1, 2});
+    const Cloud first(cloud(3, 12, 1, ellipsoid), noise), second_scan(cloud(3, 12, 2, ellipsoid, 5), noise);
+    const plr_extent_points scans[] = {first.c(), second_scan.c()};
+    const double times[] = {0, 1};
+    VectorXd mean(9), record(r), out(r);
+    mean << 5, 5, 5, 5, 5, 5, 0, 0, 0;
+    Call call;
+    auto start = pelorus::arguments<plr_joint_init>();
+    start.scans = 2;
+    start.scan = scans;
+    start.times = pelorus::const_view(times, 2, 1, 1);
+    start.mean = pelorus::const_view(mean);
+    start.record = pelorus::view(record);
+    REQUIRE(joint.init(instance.self(), &static_cast<const plr_call&>(call), &start) == PLR_OK);
+
+    const auto read = [](const VectorXd& from) {
+        Swept told{from.head(9), Eigen::Map<const MatrixXd>(from.data() + 9, 9, 9),
+                   Eigen::Map<const MatrixXd>(from.data() + 91, 3, 3), from(90)};
+        return told;
+    };
+    const Swept prior = read(record);
+    CHECK((prior.covariance.topLeftCorner(3, 3) - (lambda * prior.scale / (prior.degrees - 8) + noise) / 12).norm() <
+          1e-9);
+    const MatrixXd points = cloud(3, 15, 3, ellipsoid, 8);
+    const Cloud third(points, noise);
+    auto update = pelorus::arguments<plr_joint_update>();
+    update.scan = third.c();
+    update.record = pelorus::const_view(record);
+    update.out = pelorus::view(out);
+    REQUIRE(joint.update(instance.self(), &static_cast<const plr_call&>(call), &update) == PLR_OK);
+    const Swept expected = swept(prior, points, noise, lambda), made = read(out);
+    CHECK((made.mean - expected.mean).norm() < 1e-8 * expected.mean.norm());
+    CHECK((made.covariance - expected.covariance).norm() < 1e-8 * expected.covariance.norm());
+    CHECK((made.scale - expected.scale).norm() < 1e-8 * expected.scale.norm());
+    CHECK(made.degrees == Approx(expected.degrees));
 }

@@ -25,7 +25,7 @@ struct Parameters {
     Weighing weighing = Weighing::none;
     double lambda = 1;
     double decay = 0.1;      // 1/s
-    double memory = 50;      // s
+    double memory = 100;     // s
     double align_after = 2;  // s
     int dimension = 3;
 };
@@ -63,7 +63,7 @@ template <class Plugin> void describe_parameters(pelorus::Describe<Plugin>& plug
         .doc("rate at which the random matrix forgets");
     plugin.parameter("memory", &Parameters::memory)
         .unit("s")
-        .initially("50 s")
+        .initially("100 s")
         .above(0)
         .doc("weighing covariance: how long scatter that turns with the velocity is remembered");
     plugin.parameter("align_after", &Parameters::align_after)

@@ -22,18 +22,32 @@ template <int D> struct Weighed {
         Eigen::Map<Matrix<D>> noise() { return Eigen::Map<Matrix<D>>(numbers + 2 + D * D); }
         Eigen::Map<Vector<D>> direction() { return Eigen::Map<Vector<D>>(numbers + 2 + 2 * D * D); }
 
-        void add(const Scatter<D>& scan) {
+        void add(double share, const Scatter<D>& scan) {
             if (!(scan.number > 1)) return;
-            freedoms() += scan.number - 1;
-            scatter() += scan.sum;
-            noise() += (scan.number - 1) * scan.noise;
+            freedoms() += share * (scan.number - 1);
+            scatter() += share * scan.sum;
+            noise() += share * (scan.number - 1) * scan.noise;
+        }
+        /// G; nothing before the first scan.
+        std::optional<Matrix<D>> turned(double lambda) {
+            if (!(freedoms() > 0)) return std::nullopt;
+            const Matrix<D> spread = scatter() / freedoms();
+            const Matrix<D> clean = with_floor<D>(spread - noise() / freedoms(), 0.05 * spread.trace() / D);
+            return Matrix<D>(rounded(clean, spread) / lambda);
+        }
+        /// Eigenvalues of a scatter are farther apart than those of the shape. Where they may be apart by chance, they are drawn
+        /// to their mean: by (1.5 r)^4, at most 1, r the variance of the scatter over its distance from a sphere (after Ledoit,
+        /// Wolf 2004, whose share is r; the fourth power leaves a shape alone that is clearly no sphere).
+        Matrix<D> rounded(const Matrix<D>& clean, const Matrix<D>& spread) {
+            const Matrix<D> sphere = Matrix<D>::Identity() * (clean.trace() / D);
+            const double apart = (clean - sphere).squaredNorm();
+            const double chance = (spread.trace() * spread.trace() + spread.squaredNorm()) / freedoms();
+            const double share = std::min(1.0, std::pow(1.5 * chance / std::max(apart, 1e-300), 4));
+            return (1 - share) * clean + share * sphere;
         }
     };
 
-    static void start(const Parameters&, Memory& memory, const plr_extent_points* scan, std::int64_t i) {
-        memory.add(scatter_of<D>(scan[0], i));
-        memory.add(scatter_of<D>(scan[1], i));
-    }
+    static void start(const Parameters&, Memory&, const plr_extent_points*, std::int64_t) {}
 
     /// G turns as the velocity does; F as far as the turn is not chance (James, Stein): by max(0, 1 - 3 s^2/t^2) of its angle
     /// t, s^2 its variance by the covariance of the acceleration.
@@ -62,16 +76,23 @@ template <int D> struct Weighed {
         const Vector<D> velocity = velocity_of<D>(args.kinematics, i);
         const auto direction = direction_of<D>(velocity);
         face(memory, direction);
-        memory.add(scatter);
-        memory.weight() = direction ? weight(is, args, i, scatter, random, velocity) : 0.0;
+        memory.weight() = 0;
+        if (!direction) return;
+        const Axis axis = axis_of(is, scatter, random);
+        const double relative =
+            direction_variance(args.kinematics_covariance, i, 1, *direction) / velocity.squaredNorm();
+        if (!std::isfinite(relative)) return;
+        // Beyond small angles a direction is off by far more than its variance says: of a target that hardly moves.
+        const double by_velocity = relative * (1 + 10 * relative);
+        // Scatter that was turned by chance tells little of the shape.
+        memory.add(axis.variance / (axis.variance + by_velocity), scatter);
+        if (const auto turned = memory.turned(is.lambda)) memory.weight() = weight(axis, by_velocity, *turned);
     }
 
     static Matrix<D> shape_of(const Parameters& is, Memory memory, const Shape& random) {
-        if (!(memory.weight() > 0) || !(memory.freedoms() > 0)) return random.extent();
-        const Matrix<D> spread = memory.scatter() / memory.freedoms();
-        const Matrix<D> turned =
-            with_floor<D>(spread - memory.noise() / memory.freedoms(), 0.05 * spread.trace() / D) / is.lambda;
-        Matrix<D> out = (1 - memory.weight()) * random.extent() + memory.weight() * turned;
+        const auto turned = memory.turned(is.lambda);
+        if (!turned || !(memory.weight() > 0)) return random.extent();
+        Matrix<D> out = (1 - memory.weight()) * random.extent() + memory.weight() * *turned;
         pelorus::small::symmetrise(out);
         return out;
     }
@@ -109,29 +130,38 @@ private:
         return std::max(across, 0.0);
     }
 
-    /// w = s_F^2/(s_F^2 + s_G^2): s_G^2 is the variance of the velocity's direction; s_F^2 that of the random matrix's main axis,
-    /// y1 y2/((y1 - y2)^2 n) with y the eigenvalues of lambda X + R and n the points remembered, and what it lags behind by a
-    /// turn that is not known.
-    static double weight(const Parameters& is, const plr_extent_update& args, std::int64_t i, const Scatter<D>& scatter,
-                         const Shape& random, const Vector<D>& velocity) {
-        const Vector<D> u = velocity.normalized();
-        const double square = velocity.squaredNorm();
-        const double by_velocity = direction_variance(args.kinematics_covariance, i, 1, u) / square;
-        if (!std::isfinite(by_velocity)) return 0;
-        const double rate = direction_variance(args.kinematics_covariance, i, 2, u) / square;
+    /// The main axis of a random matrix and the variance of its direction (rad^2): y1 y2/((y1 - y2)^2 n), y the eigenvalues of
+    /// lambda X + R, n the points that are remembered.
+    struct Axis {
+        Vector<D> direction;
+        double variance;
+    };
+    static Axis axis_of(const Parameters& is, const Scatter<D>& scatter, const Shape& random) {
         Vector<D> values;
         Matrix<D> vectors;
         if (!pelorus::small::symmetric_eigen(Matrix<D>(is.lambda * random.extent() + scatter.noise), values, vectors))
             throw pelorus::NumericError("the shape is not finite");
         double less = 0;
         for (int k = 0; k < D - 1; ++k) less += values(k) / (D - 1);
-        const double apart = values(D - 1) - less;
-        const double points = random.degrees - (2 * D + 2);
-        const double information = points * apart * apart / (values(D - 1) * less);
-        const double lag = is.decay > 0 ? rate / (is.decay * is.decay) : 0;
-        const double by_points = 1 / information + lag;
-        return information > 0 ? by_points / (by_points + by_velocity) : 1.0;
+        const double apart = values(D - 1) - less, points = random.degrees - (2 * D + 2);
+        const double variance = values(D - 1) * less / (points * apart * apart);
+        return {vectors.col(D - 1), std::min(variance, no_direction)};
     }
+
+    /// w = s_F^2/(s_F^2 + s_G^2), s_G^2 the variance of the velocity's direction. How far the two main axes are apart beyond
+    /// what both variances explain is put down to the random matrix, which lags behind turns.
+    static double weight(const Axis& axis, double by_velocity, const Matrix<D>& turned) {
+        Vector<D> values;
+        Matrix<D> vectors;
+        if (!pelorus::small::symmetric_eigen(turned, values, vectors))
+            throw pelorus::NumericError("the shape is not finite");
+        const double cosine = std::min(1.0, std::fabs(axis.direction.dot(vectors.col(D - 1))));
+        const double apart = std::acos(cosine);
+        const double lag = std::max(0.0, apart * apart / (D - 1) - axis.variance - by_velocity);
+        return (axis.variance + lag) / (axis.variance + lag + by_velocity);
+    }
+
+    static constexpr double no_direction = 1;  ///< rad^2: more than a direction can be off
 };
 
 }  // namespace velocity_aligned

@@ -308,3 +308,72 @@ TEST_CASE("extended target: parts that do not fit are refused by slot", "[extend
     const Part blind{"extent", "", part(bench, "extent", "random_matrix", "{update: koch}", {{"motion", "", motion}})};
     CHECK(refusal({blind}) == "extent: has no sensors; fill its slot `sensors` with those of the scans");
 }
+
+namespace {
+
+/// Root mean square of the position's error, and mean short half axis, of an airship whose points share a sensor error of 5 m.
+struct SharedErrors {
+    double position = 0, short_axis = 0, spread = 0;
+};
+SharedErrors with_shared_errors(const std::string& with, bool is_shared) {
+    Tracking run("{update: feldmann, start: consistent}", with, "position", "{noise: 5 m}");
+    constexpr int scans = 60;
+    for (int k = 0; k < scans; ++k) {
+        MatrixXd unit(3, 16), points = Tracking::target_points(k, 16);
+        pelorus::host::random_service().normal({{99, static_cast<std::uint64_t>(k)}}, 0, unit.size(), unit.data());
+        for (Eigen::Index p = 0; p < 16; ++p) points.col(p) += 5 * unit.col(is_shared ? 0 : p);
+        run.scan_at(k, points, 25 * MatrixXd::Identity(3, 3));
+    }
+    SharedErrors out;
+    const auto told = run.told();
+    for (const Entry& entry : told) {
+        const int k = static_cast<int>(entry.time / second);
+        if (k < 20) continue;
+        out.position += (entry.mean.head(3) - Tracking::centre(k)).squaredNorm() / (scans - 20);
+        const VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(entry.extent).eigenvalues();
+        out.short_axis += 0.5 * (std::sqrt(values(0)) + std::sqrt(values(1))) / (scans - 20);
+        out.spread += std::sqrt(entry.covariance.topLeftCorner(3, 3).trace()) / (scans - 20);
+    }
+    out.position = std::sqrt(out.position);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("extended target: a sensor error that all points share is found out", "[extended_target]") {
+    const SharedErrors told = with_shared_errors("{shared_error: [0, 1]}", true),
+                       not_told = with_shared_errors("{}", true);
+    CHECK(told.position < 0.95 * not_told.position);
+    CHECK(told.short_axis == Approx(5).margin(0.4));
+    CHECK(not_told.short_axis < 4.3);  // it takes noise out that is not in the spread
+    CHECK(told.spread > 1.5 * not_told.spread);
+    // And one that they do not share is not taken for one.
+    const SharedErrors own = with_shared_errors("{shared_error: [0, 1]}", false),
+                       plain = with_shared_errors("{}", false);
+    CHECK(own.position == Approx(plain.position).epsilon(0.02));
+    CHECK(own.short_axis == Approx(plain.short_axis).epsilon(0.02));
+}
+
+TEST_CASE("extended target: with a single share the filter is told what is shared", "[extended_target]") {
+    const SharedErrors known = with_shared_errors("{shared_error: [1]}", true),
+                       found = with_shared_errors("{shared_error: [0, 1]}", true);
+    CHECK(known.position == Approx(found.position).epsilon(0.02));
+    const SharedErrors none = with_shared_errors("{shared_error: [0]}", true), plain = with_shared_errors("{}", true);
+    CHECK(none.position == Approx(plain.position).epsilon(1e-12));
+}
+
+TEST_CASE("extended target: a tracker that weighs shared errors is saved whole, and a joint extent cannot",
+          "[extended_target]") {
+    const std::string extent = "{update: feldmann, start: consistent}", with = "{shared_error: [0, 0.5, 1]}";
+    Tracking whole(extent, with), first(extent, with), second_half(extent, with);
+    for (int k = 0; k < 12; ++k) whole.scan(k);
+    for (int k = 0; k < 7; ++k) first.scan(k);
+    second_half.tracker.load(first.tracker.save());
+    for (int k = 7; k < 12; ++k) second_half.scan(k);
+    CHECK(second_half.tracker.save() == whole.tracker.save());
+    Tracking fewer(extent, "{shared_error: [0, 1]}");
+    CHECK_THROWS(fewer.tracker.load(first.tracker.save()));
+    CHECK_THROWS_WITH(Tracking("{update: koch}", with),
+                      "shared_error: needs an estimator beside the extent; here the extent (extent.random_matrix) owns "
+                      "the kinematics");
+}

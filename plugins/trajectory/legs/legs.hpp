@@ -12,9 +12,9 @@
 namespace legs {
 
 struct Row {
-    std::optional<double> duration;  // s
-    double turn_rate = 0;            // rad/s
-    double acceleration = 0;         // m/s2
+    std::optional<double> duration;   // s
+    std::optional<double> turn_rate;  // rad/s
+    double acceleration = 0;          // m/s2
 };
 
 class Legs : public pelorus::Trajectory<Legs> {
@@ -45,17 +45,20 @@ public:
             .unit("m/s")
             .rows(2, 3)
             .doc("velocity at birth as a vector, instead of speed, heading and climb");
+        plugin.parameter("turn_rate", &Legs::turn_rate_)
+            .unit("rad/s")
+            .initially("0 rad/s")
+            .doc("change of heading where no leg says otherwise, positive to the left: without legs, and after them");
         auto legs = plugin.table("legs", &Legs::rows_);
         legs.initially("[]").doc(
-            "what it does, one leg after the other; then straight on. None: straight on from the start");
+            "what it does, one leg after the other; then on with turn_rate. None: with turn_rate from the start");
         legs.column("duration", &Row::duration)
             .unit("s")
             .above(0)
             .doc("how long; the last leg's may be absent: for ever");
         legs.column("turn_rate", &Row::turn_rate)
             .unit("rad/s")
-            .initially("0 rad/s")
-            .doc("change of heading, positive to the left");
+            .doc("change of heading, positive to the left; that of the target if absent");
         legs.column("acceleration", &Row::acceleration)
             .unit("m/s2")
             .initially("0 m/s2")
@@ -147,9 +150,10 @@ private:
 
     std::vector<Leg> legs() const {
         std::vector<Leg> out;
+        const double for_ever = std::numeric_limits<double>::infinity();
         for (const Row& row : rows_)
-            out.push_back(
-                {row.duration.value_or(std::numeric_limits<double>::infinity()), row.turn_rate, row.acceleration});
+            out.push_back({row.duration.value_or(for_ever), row.turn_rate.value_or(turn_rate_), row.acceleration});
+        if (turn_rate_ != 0 && (rows_.empty() || rows_.back().duration)) out.push_back({for_ever, turn_rate_, 0});
         return out;
     }
 
@@ -170,7 +174,7 @@ private:
     std::optional<double> speed_, heading_, climb_, death_;
     std::optional<std::vector<double>> velocity_, semi_axes_;
     std::vector<Row> rows_;
-    double birth_ = 0;
+    double birth_ = 0, turn_rate_ = 0;
 
     int axes_ = 3;
     std::int64_t birth_ns_ = 0, death_ns_ = 0;
