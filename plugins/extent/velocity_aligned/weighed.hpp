@@ -78,7 +78,7 @@ template <int D> struct Weighed {
         face(memory, direction);
         memory.weight() = 0;
         if (!direction) return;
-        const Axis axis = axis_of(is, scatter, random);
+        const Axis axis = axis_of(is.lambda * random.extent() + scatter.noise, random.degrees - (2 * D + 2));
         const double relative =
             direction_variance(args.kinematics_covariance, i, 1, *direction) / velocity.squaredNorm();
         if (!std::isfinite(relative)) return;
@@ -86,7 +86,9 @@ template <int D> struct Weighed {
         const double by_velocity = relative * (1 + 10 * relative);
         // Scatter that was turned by chance tells little of the shape.
         memory.add(axis.variance / (axis.variance + by_velocity), scatter);
-        if (const auto turned = memory.turned(is.lambda)) memory.weight() = weight(axis, by_velocity, *turned);
+        if (const auto turned = memory.turned(is.lambda))
+            memory.weight() =
+                weight(axis, by_velocity, axis_of(is.lambda * *turned + scatter.noise, memory.freedoms()));
     }
 
     static Matrix<D> shape_of(const Parameters& is, Memory memory, const Shape& random) {
@@ -130,38 +132,33 @@ private:
         return std::max(across, 0.0);
     }
 
-    /// The main axis of a random matrix and the variance of its direction (rad^2): y1 y2/((y1 - y2)^2 n), y the eigenvalues of
-    /// lambda X + R, n the points that are remembered.
+    /// The main axis of points of that covariance, and the variance of its direction (rad^2) if there were so many:
+    /// y1 y2/((y1 - y2)^2 n), y the eigenvalues.
     struct Axis {
         Vector<D> direction;
         double variance;
     };
-    static Axis axis_of(const Parameters& is, const Scatter<D>& scatter, const Shape& random) {
+    static Axis axis_of(const Matrix<D>& covariance, double points) {
         Vector<D> values;
         Matrix<D> vectors;
-        if (!pelorus::small::symmetric_eigen(Matrix<D>(is.lambda * random.extent() + scatter.noise), values, vectors))
+        if (!pelorus::small::symmetric_eigen(covariance, values, vectors))
             throw pelorus::NumericError("the shape is not finite");
         double less = 0;
         for (int k = 0; k < D - 1; ++k) less += values(k) / (D - 1);
-        const double apart = values(D - 1) - less, points = random.degrees - (2 * D + 2);
-        const double variance = values(D - 1) * less / (points * apart * apart);
-        return {vectors.col(D - 1), std::min(variance, no_direction)};
+        const double apart = values(D - 1) - less;
+        return {vectors.col(D - 1), std::min(values(D - 1) * less / (points * apart * apart), no_direction)};
     }
 
     /// w = s_F^2/(s_F^2 + s_G^2), s_G^2 the variance of the velocity's direction. How far the two main axes are apart beyond
-    /// what both variances explain is put down to the random matrix, which lags behind turns.
-    static double weight(const Axis& axis, double by_velocity, const Matrix<D>& turned) {
-        Vector<D> values;
-        Matrix<D> vectors;
-        if (!pelorus::small::symmetric_eigen(turned, values, vectors))
-            throw pelorus::NumericError("the shape is not finite");
-        const double cosine = std::min(1.0, std::fabs(axis.direction.dot(vectors.col(D - 1))));
-        const double apart = std::acos(cosine);
-        const double lag = std::max(0.0, apart * apart / (D - 1) - axis.variance - by_velocity);
-        return (axis.variance + lag) / (axis.variance + lag + by_velocity);
+    /// what the variances explain is put down to the random matrix, which lags behind turns.
+    static double weight(const Axis& of_random, double by_velocity, const Axis& of_turned) {
+        const double apart = std::acos(std::min(1.0, std::fabs(of_random.direction.dot(of_turned.direction))));
+        const double lag =
+            std::max(0.0, apart * apart / (D - 1) - of_random.variance - by_velocity - of_turned.variance);
+        return (of_random.variance + lag) / (of_random.variance + lag + by_velocity);
     }
 
-    static constexpr double no_direction = 1;  ///< rad^2: more than a direction can be off
+    static constexpr double no_direction = 1.3;  ///< rad^2: more than a direction can be off
 };
 
 }  // namespace velocity_aligned
