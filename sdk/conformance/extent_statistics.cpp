@@ -15,7 +15,7 @@ PELORUS_CHECK(extent, "extent-converges-to-shape", 4,
               {"extent-shape-consistent", "extent-stays-positive"}) {
     const auto instance = bench.make();
     const ExtentBench extent(*instance);
-    if ((extent.info.flags & (1u << 16)) != 0) skip("keeps nothing from scan to scan (PLR_EXTENT_NO_MEMORY)");
+    if ((extent.info.flags & PLR_EXTENT_NO_MEMORY) != 0) skip("keeps nothing from scan to scan (PLR_EXTENT_NO_MEMORY)");
     Sample sample = bench.sample();
     constexpr int scans = 200, points = 50;
     std::vector<Body> bodies = extent.bodies(sample, 2);

@@ -40,7 +40,7 @@ public:
 
     void setup(const pelorus::Setup&) {
         this->info.dimension = D;
-        this->info.flags = 1u << 16;
+        this->info.flags = PLR_EXTENT_NO_MEMORY;
         this->info.start_scans = 1;
         this->info.start_points = D + 1;
         this->info.record_version = 1;

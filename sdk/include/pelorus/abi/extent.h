@@ -13,9 +13,13 @@
 
 #define PLR_EXTENT "pelorus.extent.draft/1"
 
+enum {
+  PLR_EXTENT_NO_MEMORY = 1u << 16 /* the shape is what the newest scan alone says; it does not improve with time */
+};
+
 typedef struct plr_extent_info {
   uint32_t struct_size;
-  uint32_t flags;
+  uint32_t flags; /* PLR_EXTENT_... */
   int32_t dimension;    /* d */
   int32_t start_scans;  /* how many scans init wants; the record is valid at the time of the last of them, and there the
                            kinematics begin, too. A tracker that starts by differencing two scans begins at the first scan if
