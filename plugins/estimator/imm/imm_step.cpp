@@ -1,6 +1,9 @@
 // The filter's step: mixing and prediction, the look of a sensor, update.
 #include "imm.hpp"
 
+#include <cmath>
+#include <limits>
+
 namespace imm {
 
 using pelorus::NumericError;

@@ -108,11 +108,12 @@ private:
         if (!to) return;
         const Vector<D> from = memory.direction();
         if (from.squaredNorm() > 0.5)
-            if (const auto rotation = smallest_rotation<D>(from, *to)) {
-                Matrix<D> turned;
-                pelorus::small::symmetric_product(*rotation, Matrix<D>(memory.scatter()), turned);
-                memory.scatter() = turned;
-            }
+            if (const auto rotation = smallest_rotation<D>(from, *to))
+                for (Eigen::Map<Matrix<D>> sum : {memory.scatter(), memory.noise()}) {
+                    Matrix<D> turned;
+                    pelorus::small::symmetric_product(*rotation, Matrix<D>(sum), turned);
+                    sum = turned;
+                }
         memory.direction() = *to;
     }
 
