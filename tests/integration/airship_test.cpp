@@ -1,11 +1,9 @@
-// configs/airship.yaml, run whole: the published figures, determinism, a snapshot half-way.
+// configs/airship.yaml, a few runs: one of its figures, determinism, a snapshot half-way. All figures: airship_figures_test.cpp.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
 #include <string>
 #include <vector>
-
-#include <yaml-cpp/yaml.h>
 
 #include "graph/graph.hpp"
 #include "host/catalog.hpp"
@@ -96,109 +94,7 @@ bool same(const std::vector<double>& a, const std::vector<double>& b) {
            });
 }
 
-/// What configs/FILE.expected.yaml says that a reproduction of the published filter made.
-double reproduced(const std::string& file, double noise, int points, const std::string& scalar) {
-    const YAML::Node expected = YAML::LoadFile(PELORUS_SOURCE_DIR "/configs/" + file + ".expected.yaml");
-    for (const YAML::Node& cell : expected["cells"]) {
-        const YAML::Node sweep = cell["sweep"];
-        if (cell["variant"].as<std::string>() == "published" &&
-            sweep["world.sensors.radar.noise"].as<double>() == noise &&
-            sweep["world.targets.airship.points_per_scan"].as<int>() == points)
-            return cell["scalars"][scalar]["reproduced"].as<double>();
-    }
-    throw std::runtime_error("no such cell in " + file + ".expected.yaml");
-}
-
-/// The variant `best` of configs/airship.yaml.
-Sets best() {
-    const auto filter = [](const std::string& name, const std::string& motion) {
-        return name + ": {use: estimator.kalman, parts: {motion: {use: motion.singer, with: {form: truncated, " +
-               motion + "}}, sensors: {radar: {like: world.sensors.radar}}}}";
-    };
-    const std::string filters =
-        filter("quiet", "maneuver_rate: 0.1 1/s, acceleration: 0.01 m/s2, prior_acceleration: 0.0235 m/s2") + ", " +
-        filter("steady_turn", "maneuver_rate: 0.02 1/s, acceleration: 0.05 m/s2, prior_acceleration: 0.5 m/s2") + ", " +
-        filter("manoeuvre", "maneuver_rate: 0.1 1/s, acceleration: 0.5 m/s2, prior_acceleration: 1.174 m/s2");
-    return {{"tracker.shared_error", "[0, 1]"},
-            {"tracker.estimator", "{use: estimator.imm, with: {stay: 0.98}, parts: {estimators: {" + filters + "}}}"},
-            {"tracker.extent", "{use: extent.velocity_aligned, with: {weighing: covariance}}"}};
-}
-
 }  // namespace
-
-// The figures of an independent reproduction, which 200 runs repeat within 0.4 % in position and 1.2 % in velocity.
-// Hundreds of runs: too slow under the sanitizers, which see the same code in the cases below.
-TEST_CASE("the published filter makes the reproduced errors of the airship", "[airship][release-only]") {
-    const auto [file, sets, noise, points] = GENERATE(table<std::string, Sets, double, int>({
-        {"airship", {}, 1, 10},
-        {"airship", {}, 1, 16},
-        {"airship", {}, 1, 22},
-        {"airship", {}, 5, 16},
-        {"airship_shared_error", {{"world.sensors.radar.shared_error", "true"}}, 1, 16},
-        {"airship_turning", {{"world.targets.airship.turn_rate", "2 deg/s"}}, 1, 16},
-    }));
-    Sets all = sets;
-    all.push_back({"world.sensors.radar.noise", std::to_string(noise)});
-    all.push_back({"world.targets.airship.points_per_scan", std::to_string(points)});
-    const double position = reproduced(file, noise, points, "errors.position_rmse"),
-                 velocity = reproduced(file, noise, points, "errors.velocity_rmse");
-    const Figures made = monte_carlo(200, all);
-    INFO(file << ", " << noise << " m, " << points << " points: position " << made.position << " m, velocity "
-              << made.velocity << " m/s");
-    CHECK(std::fabs(made.position / position - 1) < 0.04);
-    CHECK(std::fabs(made.velocity / velocity - 1) < 0.04);
-}
-
-TEST_CASE("the better filter of the airship is better in every figure", "[airship][release-only]") {
-    const Sets better{{"tracker.extent.update", "feldmann"}, {"tracker.extent.start", "consistent"}};
-    const Figures made = monte_carlo(200, better), published = monte_carlo(200, {});
-    INFO("position " << made.position << " m, velocity " << made.velocity << " m/s, short " << made.short_axis
-                     << " m, long " << made.long_axis << " m, " << made.angle << " deg");
-    CHECK(made.position < published.position);  // paired: the same random numbers
-    CHECK(made.velocity < published.velocity);
-    CHECK(made.short_axis < published.short_axis);
-    CHECK(made.position == Approx(2.32).epsilon(0.04));
-    CHECK(made.velocity == Approx(0.88).epsilon(0.04));
-    CHECK(made.short_axis == Approx(0.12).margin(0.01));
-    CHECK(made.long_axis == Approx(0.41).margin(0.02));
-    CHECK(made.angle == Approx(2.16).margin(0.1));
-}
-
-TEST_CASE("one choice meets the limits of the airship, straight and turning", "[airship][release-only]") {
-    const Figures straight = monte_carlo(100, best());
-    INFO("straight: position " << straight.position << " m, velocity " << straight.velocity << " m/s, short "
-                               << straight.short_axis << " m, long " << straight.long_axis << " m, " << straight.angle
-                               << " deg");
-    CHECK(straight.position <= 2.35);
-    CHECK(straight.velocity <= 0.90);
-    CHECK(straight.short_axis <= 0.13);
-    CHECK(straight.long_axis <= 0.45);
-    CHECK(straight.angle <= 2.25);
-    Sets turning = best();
-    turning.push_back({"world.targets.airship.turn_rate", "2 deg/s"});
-    const Figures made = monte_carlo(200, turning);
-    INFO("turning: position " << made.position << " m, velocity " << made.velocity << " m/s");
-    CHECK(made.position <= 2.45);
-    CHECK(made.velocity <= 1.13);
-}
-
-TEST_CASE("the best choice for the airship does not lose where the velocity or the noise misleads it",
-          "[airship][release-only]") {
-    const Sets scenario = GENERATE(
-        Sets{{"world.sensors.radar.noise", "5 m"}, {"world.sensors.radar.shared_error", "true"}},  // R3 of scenario B
-        Sets{{"world.targets.airship.speed", "1 m/s"}}, Sets{{"world.sensors.radar.noise", "5 m"}},
-        Sets{{"world.targets.airship.semi_axes", "[5 m, 12 m, 5 m]"}},  // it flies sideways
-        Sets{{"world.targets.airship.turn_rate", "6 deg/s"}, {"world.targets.airship.speed", "40 m/s"}});
-    Sets sets = best();
-    sets.insert(sets.end(), scenario.begin(), scenario.end());
-    const Figures made = monte_carlo(30, sets), published = monte_carlo(30, scenario);
-    INFO(scenario.front().address << "=" << scenario.front().text);
-    CHECK(made.position < published.position);
-    CHECK(made.velocity < published.velocity);
-    CHECK(made.short_axis < published.short_axis);
-    CHECK(made.long_axis < published.long_axis);
-    CHECK(made.angle < published.angle);
-}
 
 TEST_CASE("the airship runs with Koch's joint extent", "[airship]") {
     const Sets koch{{"tracker.estimator", "~"},
