@@ -22,9 +22,14 @@ using Clock = std::chrono::steady_clock;
 class Dispatcher {
 public:
     Dispatcher(const Plan& plan, const std::vector<std::size_t>& cells, Store& store)
-        : plan_(plan), blocks_(plan.runs), store_(store), left_(cells.begin(), cells.end()) {
+        : plan_(plan), blocks_(plan.runs), store_(store) {
         advance_.cells = cells.size();
         advance_.runs = cells.size() * plan.runs;
+        for (const std::size_t cell : cells)  // what is kept is counted before anything is computed
+            if (store.is_begun(cell))
+                open(cell);
+            else
+                left_.push_back(cell);
     }
 
     std::optional<Unit> next() {

@@ -118,6 +118,11 @@ bool Store::has_cell(std::size_t cell) const {
     return fs::exists(file(cell, ".json"), ignored);
 }
 
+bool Store::is_begun(std::size_t cell) const {
+    std::error_code ignored;
+    return has_cell(cell) || fs::exists(file(cell, ".blocks"), ignored);
+}
+
 Json Store::cell(std::size_t cell) const { return read_json(file(cell, ".json")); }
 
 std::vector<std::pair<std::uint64_t, Totals>> Store::blocks(std::size_t cell) const {

@@ -32,7 +32,10 @@ public:
     /// Throws away what an earlier campaign has left, and begins this one. Throws Error.
     void begin(const nlohmann::ordered_json& identity);
 
+    /// Whether it is finished.
     bool has_cell(std::size_t cell) const;
+    /// Whether anything of it is kept.
+    bool is_begun(std::size_t cell) const;
     /// Throws Error: it cannot be read.
     nlohmann::ordered_json cell(std::size_t cell) const;
     /// The blocks of an unfinished cell. One that was being written when the process ended is cut off.

@@ -39,9 +39,7 @@ campaign::Selection read_selection(const CommandLine& line) {
     campaign::Selection selection;
     selection.variants = line.values("variant");
     if (!line.has("runs")) return selection;
-    selection.runs = line.number("runs", 1, most);
-    if (*selection.runs == 0)
-        throw Error(Exit::misuse, "--runs: expected a whole number from 1 to 1000000000, got '0'");
+    selection.runs = line.number("runs", 1, most, 1);
     return selection;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -268,11 +269,11 @@ int run_here(const CommandLine& line) {
     const Request request = read_request(line);
     Interrupt interrupt;  // from here on: a graph may take its time to be made
     host::Catalog catalog(plugin_folders(line));
+    const campaign::Selection selection = read_selection(line);
     const graph::Document document = load_document(line);
     const graph::PluginFinder finder = [&catalog](const std::string& id) -> const host::LoadedPlugin& {
         return catalog.load(id);
     };
-    const campaign::Selection selection = read_selection(line);
     if (request.run) return run_once(line, request, chosen_run(document, selection, request), finder, interrupt);
     graph::Problems problems;
     const campaign::Plan plan = campaign::plan_cells(document, selection, problems);
@@ -289,7 +290,10 @@ int run(const CommandLine& line) {
     if (campaign::launched_rank() == 0) return run_here(line);
     try {
         return run_here(line);
-    } catch (const Error& problem) {  // rank 0 meets the same, and tells it
+    } catch (const Error& problem) {
+        // Rank 0 meets the same as a rule, tells it, and the launcher ends us. What this machine alone meets is told by us.
+        std::this_thread::sleep_for(std::chrono::seconds(2));
+        tell(fmt::format("rank {}: {}", campaign::launched_rank(), problem.what()));
         return static_cast<int>(problem.exit());
     }
 }

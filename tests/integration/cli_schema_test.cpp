@@ -79,7 +79,8 @@ TEST_CASE("schema: every config that is shipped is valid") {
     const Schema schema;
     std::vector<std::string> configs;
     for (const auto& entry : fs::recursive_directory_iterator(PELORUS_SOURCE_DIR "/configs"))
-        if (entry.path().extension() == ".yaml") configs.push_back(entry.path().string());
+        if (entry.path().extension() == ".yaml" && entry.path().stem().extension() != ".expected")
+            configs.push_back(entry.path().string());
     REQUIRE(configs.size() >= 3);
     const Ended ended = schema.validate(configs);
     CAPTURE(ended.out, ended.err);

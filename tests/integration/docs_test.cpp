@@ -125,7 +125,7 @@ pelorus: 1
 -graph:
 ```
 
-    pelorus check CONFIG [--sat ADDRESS=VALUE ...] [--seed N] [--plugins DIR ...] [--log-level LEVEL] [--json]
+    pelorus check CONFIG [--sat ADDRESS=VALUE ...] [--seed N] [--variant V ...] [--runs N] [--plugins DIR ...] [--log-level LEVEL] [--json]
 )");
     const std::vector<std::string> failures = execute_page(page);
     const std::vector<std::pair<int, std::string>> expected = {

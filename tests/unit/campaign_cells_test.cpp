@@ -96,9 +96,9 @@ TEST_CASE("A sweep is laid on the file, a variant on the sweep, the command line
     const graph::Document base = document(text, {{"a.z", "3"}});
     graph::Problems problems;
     const Plan plan = campaign::plan_cells(base, {}, problems);
+    const graph::Document made = campaign::document_of(base, plan.cells[0]);
     std::vector<std::string> order;
-    for (const graph::Assignment& each : campaign::document_of(base, plan.cells[0]).overrides())
-        order.push_back(each.address);
+    for (const graph::Assignment& each : made.overrides()) order.push_back(each.address);
     CHECK(order == std::vector<std::string>{"a.x", "a.y", "a.z"});
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("What is wrong with a campaign is told with its place", "[campaign]") 
     CHECK(problem_of(grid, {{"fsat"}, {}}) ==
           "--variant fsat: there is no variant 'fsat'; did you mean 'fast'? variants: slow, fast");
     CHECK(problem_of("campaign: {variants: {a: {}}, reference: c}") ==
-          "test.yaml:3:43: campaign.reference: there is no variant 'c'; variants: a");
+          "test.yaml:3:42: campaign.reference: there is no variant 'c'; variants: a");
     CHECK(problem_of("campaign: {on_failure: stopp}") ==
           "test.yaml:3:24: campaign.on_failure: expected one of stop, continue, got 'stopp'; did you mean 'stop'?");
     CHECK(problem_of("campaign: {sweep: {a.b: [1], c: {a.b: [2]}}}") ==

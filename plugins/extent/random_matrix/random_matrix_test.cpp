@@ -226,15 +226,16 @@ TEST_CASE("random matrix: parameters and parts of another update are refused", "
     const auto motion = part(bench, "motion", "singer", airship_motion);
     CHECK(refusal("{update: feldmann, innovation_spread: trace}") ==
           "innovation_spread: is for update: published only");
-    CHECK(refusal("{nominal_extent: 50 m2}") == "nominal_extent: is for update: koch only");
-    CHECK(refusal("{}", {{"motion", "", motion}}) ==
-          "motion: is for update: koch; with this update the estimator beside the extent has it");
+    CHECK(refusal("{nominal_extent: 50 m2}") == "nominal_extent: is for update: koch or lan_li only");
+    CHECK(
+        refusal("{}", {{"motion", "", motion}}) ==
+        "motion: is for update: koch, lan_li or variational; with this update the estimator beside the extent has it");
     CHECK(refusal("{update: koch}") == "motion: slot motion is empty");
     CHECK(refusal("{update: koch, dimension: 2}", {{"motion", "", motion}}) ==
           "motion: has 3 axes, the extent has 2 (dimension)");
     const auto uneven = part(bench, "motion", "singer", "{acceleration: [1 m/s2, 2 m/s2, 3 m/s2]}");
     CHECK(refusal("{update: koch}", {{"motion", "", uneven}}) ==
-          "motion: motion.singer does not offer pelorus.motion.structure.draft/1: update: koch takes a motion F1 (x) "
+          "motion: motion.singer does not offer pelorus.motion.structure.draft/1: this update takes a motion F1 (x) "
           "I, Q1 (x) I");
 }
 
