@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <initializer_list>
 
 namespace pelorus::cli {
@@ -11,10 +13,29 @@ namespace {
 
 std::atomic<bool> stop_requested{false};
 std::atomic<int> received{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+std::atomic<std::int64_t> received_at{0};  // ms
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+                  std::atomic<std::int64_t>::is_always_lock_free,
               "a signal handler must not lock");
 
+/// ms since the machine started. Safe in a signal handler.
+std::int64_t now_ms() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+}
+
+/// `timeout`, mpirun and batch systems signal the process and then its group: what comes so soon is the same request.
+constexpr std::int64_t same_request_ms = 300;
+
 extern "C" void note_signal(int number) {
+    if (received != 0) {
+        if (now_ms() - received_at < same_request_ms) return;
+        std::signal(number, SIG_DFL);
+        std::raise(number);  // delivered when this handler returns
+        return;
+    }
+    received_at = now_ms();
     received = number;
     stop_requested = true;
     // Who sits at a terminal and sees nothing happen, because a plugin takes its time, shall know what to do.
@@ -29,7 +50,7 @@ Interrupt::Interrupt() {
     received = 0;
     struct sigaction action {};
     action.sa_handler = &note_signal;
-    action.sa_flags = SA_RESETHAND;  // and no SA_RESTART: a source that waits is woken
+    action.sa_flags = 0;  // no SA_RESTART: a source that waits is woken
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before {};
         sigaction(number, nullptr, &before);

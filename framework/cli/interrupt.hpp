@@ -5,8 +5,8 @@
 
 namespace pelorus::cli {
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP is noted instead of ending the process; a second one ends it at once. One at a
-/// time in a process.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP is noted instead of ending the process; a later one ends it at once (not one within
+/// 0.3 s: who signals a process and its group means one request). One at a time in a process.
 class Interrupt {
 public:
     Interrupt();

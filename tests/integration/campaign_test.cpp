@@ -238,6 +238,21 @@ TEST_CASE("a signal ends a campaign in an orderly way, and says how to go on") {
           whole);
 }
 
+TEST_CASE("a signal that comes twice at once is one request, and one that comes later ends the process") {
+    const Bench bench;
+    std::vector<std::string> words = bench.words("out", with_pause({}, "10 s"), bench.unlucky_config);
+    words.insert(words.begin(), PELORUS_EXECUTABLE);
+    Process process(words);
+    while (process.running() && !bench.folder.has("out/campaign.json"))
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.send(SIGINT);
+    process.send(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    CHECK(process.running());
+    process.send(SIGINT);
+    CHECK(process.wait().exit == 128 + SIGINT);
+}
+
 TEST_CASE("a failed run is named with the command that repeats it alone") {
     const Bench bench;
     const Ended ended =

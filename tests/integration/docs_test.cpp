@@ -108,8 +108,8 @@ $ true
 pelorus: 1
 ```
 
-```yaml into=configs/airship.yaml at=world broken
-targets: {other: {use: trajectory.legs, with: {start: [0 m, 0 m, 0 m], speed: 1 m/s}}}
+```yaml into=configs/airship.yaml at=/ broken
+run: {seed: 8}
 ```
 
 ```text from=LICENSE
