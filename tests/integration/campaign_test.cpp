@@ -243,8 +243,9 @@ TEST_CASE("a signal that comes twice at once is one request, and one that comes 
     std::vector<std::string> words = bench.words("out", with_pause({}, "10 s"), bench.unlucky_config);
     words.insert(words.begin(), PELORUS_EXECUTABLE);
     Process process(words);
-    while (process.running() && !bench.folder.has("out/campaign.json"))
+    while (process.running() && !bench.folder.has("out/truth.csv.part"))
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // it is within a message now
     process.send(SIGINT);
     process.send(SIGINT);
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
