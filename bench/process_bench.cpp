@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -47,11 +48,13 @@ void load_fifty(benchmark::State& state) {
     state.counters["process_cpu_s"] = Counter(processor_seconds() - before, Counter::kAvgIterations);
 }
 
-void check(benchmark::State& state, const std::string& config) {
+void check(benchmark::State& state, const std::string& config, std::vector<std::string> flags = {}) {
+    std::vector<std::string> words{"check", config};
+    words.insert(words.end(), flags.begin(), flags.end());
     const double before = processor_seconds();
     for (auto _ : state) {
         const auto start = std::chrono::steady_clock::now();
-        const Ended ended = test::pelorus_command({"check", config});
+        const Ended ended = test::pelorus_command(words);
         state.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
         if (ended.exit != 0) return state.SkipWithError(("pelorus check fails: " + ended.err).c_str());
     }
@@ -100,7 +103,13 @@ template <class Function> void add(const char* name, const Function& function) {
 
 [[maybe_unused]] const bool registered = [] {
     add("load/50_plugins", load_fifty);
-    add("check/airship", [](benchmark::State& state) { check(state, PELORUS_SOURCE_DIR "/configs/airship.yaml"); });
+    add("check/airship", [](benchmark::State& state) {
+        check(state, PELORUS_SOURCE_DIR "/configs/airship.yaml",
+              {"--variant", "published", "--set", "world.sensors.radar.noise=1m", "--set",
+               "world.targets.airship.points_per_scan=16"});
+    });
+    add("check/airship_campaign",
+        [](benchmark::State& state) { check(state, PELORUS_SOURCE_DIR "/configs/airship.yaml"); });
     add("check/50_nodes", [](benchmark::State& state) { check(state, fifty_nodes()); });
     return true;
 }();

@@ -60,7 +60,8 @@ def filter_rows(figures):
 
 def process_rows(figures):
     for name, what, target in (("load/50_plugins", "finding and loading 50 plugins", "at most 100 ms"),
-                               ("check/airship", "`pelorus check configs/airship.yaml`", "at most 50 ms"),
+                               ("check/airship", "`pelorus check configs/airship.yaml`, one cell", "at most 50 ms"),
+                               ("check/airship_campaign", "`pelorus check configs/airship.yaml`, 90 cells", ""),
                                ("check/50_nodes", "`pelorus check`, 50 nodes", "at most 50 ms")):
         if name not in figures.runs:
             continue

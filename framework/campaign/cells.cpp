@@ -120,7 +120,7 @@ Plan plan_cells(const graph::Document& document, const Selection& selection, gra
 }
 
 graph::Document document_of(const graph::Document& document, const Cell& cell) {
-    graph::Document made = document;
+    graph::Document made = document.without_campaign();
     for (const graph::Assignment& each : cell.sweep) made.assign(each);
     for (const graph::Assignment& each : cell.overrides) made.assign(each);
     return made;

@@ -40,13 +40,13 @@ Prepared prepare(const graph::Document& document, const Selection& selection, co
     prepared.plan = plan_cells(document, selection, problems);
     if (!problems.empty()) raise(document, finder, problems);
     std::map<std::string, const host::LoadedPlugin*> plugins;
-    Json cells = Json::object();
+    prepared.determinants = Json::object();
     for (Cell& cell : prepared.plan.cells) {
         try {
             graph::Graph graph = graph::Graph::plan(document_of(document, cell), finder, {});
             graph.renew({});
             cell.shown_sweep = sweep_json(cell, graph.resolved());
-            cells[cell_text(cell)] = runtime::determinants(graph);
+            prepared.determinants[cell_text(cell)] = runtime::determinants(graph);
             for (const host::LoadedPlugin* plugin : graph.plugins()) plugins.emplace(plugin->file.id, plugin);
             if (cell.index == 0) prepared.first = std::move(graph);
         } catch (const ConfigError& error) {
@@ -55,14 +55,17 @@ Prepared prepare(const graph::Document& document, const Selection& selection, co
     }
     problems.raise();
     for (const auto& [id, plugin] : plugins) prepared.plugins.push_back(plugin);
-    prepared.identity = {{"format", 1}, {"runs", prepared.plan.runs}, {"host", report::build_facts()}};
-    prepared.identity["plugins"] = Json::object();
-    for (const host::LoadedPlugin* plugin : prepared.plugins)
-        prepared.identity["plugins"][plugin->file.id] = {{"version", plugin->file.version},
-                                                         {"sha256", plugin->sha256()}};
-    prepared.identity["reference"] = prepared.plan.reference;
-    prepared.identity["cells"] = std::move(cells);
     return prepared;
+}
+
+Json identity_of(const Prepared& prepared) {
+    Json identity{{"format", 1}, {"runs", prepared.plan.runs}, {"host", report::build_facts()}};
+    identity["plugins"] = Json::object();
+    for (const host::LoadedPlugin* plugin : prepared.plugins)
+        identity["plugins"][plugin->file.id] = {{"version", plugin->file.version}, {"sha256", plugin->sha256()}};
+    identity["reference"] = prepared.plan.reference;
+    identity["cells"] = prepared.determinants;
+    return identity;
 }
 
 std::string difference(const Json& there, const Json& here) {

@@ -16,7 +16,7 @@ namespace pelorus::campaign {
 
 struct Prepared {
     Plan plan;                                       ///< with the sweep of each cell as shown
-    nlohmann::ordered_json identity;                 ///< all that determines the results
+    nlohmann::ordered_json determinants;             ///< of each cell: what of its config determines its results
     std::optional<graph::Graph> first;               ///< of cell 0, with instances
     std::vector<const host::LoadedPlugin*> plugins;  ///< of all cells, sorted by id
 };
@@ -24,6 +24,9 @@ struct Prepared {
 /// Plans the cells and checks each of them: wiring, values, instances. Throws ConfigError with all that is wrong with any, each told
 /// once. [main]
 Prepared prepare(const graph::Document& document, const Selection& selection, const graph::PluginFinder& finder);
+
+/// All that determines the results. Reads the plugins' files, for their SHA-256.
+nlohmann::ordered_json identity_of(const Prepared& prepared);
 
 /// The first thing in which two identities differ, in words; "" if they do not.
 std::string difference(const nlohmann::ordered_json& there, const nlohmann::ordered_json& here);

@@ -22,26 +22,6 @@ template <class Number> std::vector<Number> read_numbers(ByteReader& reader) {
     return numbers;
 }
 
-void write_column(ByteWriter& writer, const runtime::Column& column) {
-    writer.text(column.name);
-    writer.text(column.unit);
-    writer.number(column.reduce);
-    writer.number(column.quantile);
-    writer.number(std::uint64_t{column.texts.size()});
-    for (const std::string& text : column.texts) writer.text(text);
-}
-
-runtime::Column read_column(ByteReader& reader) {
-    runtime::Column column;
-    column.name = reader.text();
-    column.unit = reader.text();
-    column.reduce = reader.number<std::uint32_t>();
-    column.quantile = reader.number<double>();
-    column.texts.resize(reader.count(8));
-    for (std::string& text : column.texts) text = reader.text();
-    return column;
-}
-
 void write_row(ByteWriter& writer, const RowTotals& row) {
     write_numbers(writer, row.key);
     writer.number(row.occurrence);
@@ -68,8 +48,7 @@ void write_table(ByteWriter& writer, const TableTotals& table) {
     writer.text(table.node);
     writer.text(table.name);
     writer.number(table.non_finite);
-    writer.number(std::uint64_t{table.columns.size()});
-    for (const runtime::Column& column : table.columns) write_column(writer, column);
+    runtime::write_columns(writer, table.columns);
     writer.number(std::uint64_t{table.scalars.size()});
     for (const ColumnScalar& scalar : table.scalars) {
         writer.text(scalar.name);
@@ -86,8 +65,7 @@ TableTotals read_table(ByteReader& reader) {
     table.node = reader.text();
     table.name = reader.text();
     table.non_finite = reader.number<std::uint64_t>();
-    table.columns.resize(reader.count(36));
-    for (runtime::Column& column : table.columns) column = read_column(reader);
+    table.columns = runtime::read_columns(reader);
     table.scalars.resize(reader.count(32));
     for (ColumnScalar& scalar : table.scalars) {
         scalar.name = reader.text();

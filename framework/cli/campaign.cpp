@@ -109,11 +109,12 @@ public:
         : line_(line),
           request_(request),
           prepared_(prepared),
+          identity_(campaign::identity_of(prepared)),
           interrupt_(interrupt),
           context_{document, finder, request.guard, fs::absolute(request.out).lexically_normal().string(),
                    &interrupt.stop()} {
         options_.cells = cells_of_part(prepared.plan.cells.size(), request.part, request.parts);
-        options_.identity = prepared.identity.dump(-1, ' ', false, Json::error_handler_t::replace);
+        options_.identity = identity_.dump(-1, ' ', false, Json::error_handler_t::replace);
     }
 
     int run() {
@@ -138,7 +139,7 @@ public:
 
 private:
     Json identity() const {
-        Json identity = prepared_.identity;
+        Json identity = identity_;
         if (request_.parts > 1) identity["part"] = fmt::format("{}/{}", request_.part, request_.parts);
         return identity;
     }
@@ -224,6 +225,7 @@ private:
     const CommandLine& line_;
     const CampaignRequest& request_;
     campaign::Prepared& prepared_;
+    const Json identity_;  // of the whole campaign
     Interrupt& interrupt_;
     campaign::PipelineContext context_;
     campaign::EngineOptions options_;

@@ -102,6 +102,19 @@ Document Document::load(const fs::path& file, const std::vector<Override>& overr
     return document;
 }
 
+Document Document::without_campaign() const {
+    Document one;
+    one.root_.kind = root_.kind;
+    one.root_.where = root_.where;
+    one.root_.base = root_.base;
+    for (const Value::Entry& entry : root_.map)
+        if (entry.key != "campaign") one.root_.map.push_back(entry);
+    one.file_ = file_;
+    one.overrides_ = overrides_;
+    one.assigned_ = assigned_;
+    return one;
+}
+
 Document Document::parse(const std::string& text, const std::string& name, const fs::path& base,
                          const std::vector<Override>& overrides) {
     Document document;

@@ -51,6 +51,9 @@ public:
     /// of the base config.
     const Value* campaign() const noexcept { return root_.find("campaign"); }
 
+    /// The same without `campaign:`, which one run has no use for.
+    Document without_campaign() const;
+
 private:
     void read_overrides(const std::vector<Override>& overrides);
 

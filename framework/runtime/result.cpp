@@ -38,15 +38,7 @@ Table table_of(const std::string& node, const plr_table& from) {
 
 void write_table(ByteWriter& writer, const Table& table) {
     writer.text(table.name);
-    writer.number(std::uint64_t{table.columns.size()});
-    for (const Column& column : table.columns) {
-        writer.text(column.name);
-        writer.text(column.unit);
-        writer.number(column.reduce);
-        writer.number(column.quantile);
-        writer.number(std::uint64_t{column.texts.size()});
-        for (const std::string& text : column.texts) writer.text(text);
-    }
+    write_columns(writer, table.columns);
     writer.sized(table.rows.data(), table.rows.size() * sizeof(double));
     writer.number(std::uint64_t{table.scalars.size()});
     for (const Scalar& scalar : table.scalars) {
@@ -63,15 +55,7 @@ void write_table(ByteWriter& writer, const Table& table) {
 Table read_table(ByteReader& reader) {
     Table table;
     table.name = reader.text();
-    table.columns.resize(reader.count(36));
-    for (Column& column : table.columns) {
-        column.name = reader.text();
-        column.unit = reader.text();
-        column.reduce = reader.number<std::uint32_t>();
-        column.quantile = reader.number<double>();
-        column.texts.resize(reader.count(8));
-        for (std::string& text : column.texts) text = reader.text();
-    }
+    table.columns = read_columns(reader);
     const std::size_t bytes = reader.count(1);
     const std::size_t row = std::max<std::size_t>(table.columns.size(), 1) * sizeof(double);
     if (bytes % row != 0 || (bytes > 0 && table.columns.empty())) throw CorruptBytes("a table has a broken row");
@@ -91,6 +75,31 @@ Table read_table(ByteReader& reader) {
 }
 
 }  // namespace
+
+void write_columns(ByteWriter& writer, const std::vector<Column>& columns) {
+    writer.number(std::uint64_t{columns.size()});
+    for (const Column& column : columns) {
+        writer.text(column.name);
+        writer.text(column.unit);
+        writer.number(column.reduce);
+        writer.number(column.quantile);
+        writer.number(std::uint64_t{column.texts.size()});
+        for (const std::string& text : column.texts) writer.text(text);
+    }
+}
+
+std::vector<Column> read_columns(ByteReader& reader) {
+    std::vector<Column> columns(reader.count(36));
+    for (Column& column : columns) {
+        column.name = reader.text();
+        column.unit = reader.text();
+        column.reduce = reader.number<std::uint32_t>();
+        column.quantile = reader.number<double>();
+        column.texts.resize(reader.count(8));
+        for (std::string& text : column.texts) text = reader.text();
+    }
+    return columns;
+}
 
 void ResultCollector::insert(std::size_t node_index, Table table) {
     std::size_t place = 0;

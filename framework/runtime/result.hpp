@@ -41,6 +41,10 @@ struct Results {
     std::vector<Table> tables;
 };
 
+void write_columns(ByteWriter& writer, const std::vector<Column>& columns);
+/// Throws CorruptBytes.
+std::vector<Column> read_columns(ByteReader& reader);
+
 /// Takes the tables that nodes publish. A table of the same node and name replaces the one before.
 class ResultCollector {
 public:

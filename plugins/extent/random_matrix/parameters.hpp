@@ -7,6 +7,7 @@
 
 #include "../../common/random_matrix/direction.hpp"
 #include "../../common/random_matrix/inverse_wishart.hpp"
+#include "../../common/random_matrix/spread_parameter.hpp"
 
 namespace random_matrix {
 
@@ -84,12 +85,7 @@ template <class Plugin> void describe_parameters(pelorus::Describe<Plugin>& plug
             "tracking with random matrices, IEEE Transactions on Signal Processing 60(7), 2012; Li et al., Radar "
             "Science and Technology 23(1), 2025");
     describe_update(plugin);
-    plugin.parameter("lambda", &Parameters::lambda)
-        .initially("1")
-        .above(0)
-        .doc(
-            "covariance of points over the extent matrix: 1 for Gaussian points, 1/5 for a uniform ellipsoid, 1/4 for "
-            "a uniform ellipse");
+    random_matrix::describe_lambda(plugin, &Parameters::lambda);
     plugin.parameter("decay", &Parameters::decay)
         .unit("1/s")
         .initially("0.1 1/s")

@@ -14,6 +14,7 @@
 
 #include "../../common/random_matrix/direction.hpp"
 #include "../../common/random_matrix/feldmann.hpp"
+#include "../../common/random_matrix/spread_parameter.hpp"
 
 namespace velocity_aligned {
 
@@ -50,12 +51,7 @@ template <class Plugin> void describe_parameters(pelorus::Describe<Plugin>& plug
         .choices({{"none", "the main axis is the direction of the velocity, however well that is known"},
                   {"covariance", "weighed against a random matrix by the covariance of the velocity"}})
         .doc("whether the direction of the velocity is taken as it is");
-    plugin.parameter("lambda", &Parameters::lambda)
-        .initially("1")
-        .above(0)
-        .doc(
-            "covariance of points over the extent matrix: 1 for Gaussian points, 1/5 for a uniform ellipsoid, 1/4 for "
-            "a uniform ellipse");
+    random_matrix::describe_lambda(plugin, &Parameters::lambda);
     plugin.parameter("decay", &Parameters::decay)
         .unit("1/s")
         .initially("0.1 1/s")

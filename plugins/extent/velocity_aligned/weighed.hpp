@@ -32,8 +32,17 @@ template <int D> struct Weighed {
         std::optional<Matrix<D>> turned(double lambda) {
             if (!(freedoms() > 0)) return std::nullopt;
             const Matrix<D> spread = scatter() / freedoms();
-            const Matrix<D> clean = with_floor<D>(spread - noise() / freedoms(), 0.05 * spread.trace() / D);
+            const Matrix<D> clean = with_floor<D>(spread - noise() / freedoms(), least_axis(spread));
             return Matrix<D>(rounded(clean, spread) / lambda);
+        }
+        /// What the noise leaves of an axis may be nothing; then it is as thin as chance may have it: by one standard deviation
+        /// of the scatter's least eigenvalue.
+        double least_axis(const Matrix<D>& spread) {
+            Vector<D> values;
+            Matrix<D> vectors;
+            if (!pelorus::small::symmetric_eigen(spread, values, vectors))
+                throw pelorus::NumericError("the scatter of the points is not finite");
+            return std::max(values(0), 1e-6 * values(D - 1)) * std::sqrt(2 / std::max(freedoms(), 2.0));
         }
         /// Eigenvalues of a scatter are farther apart than those of the shape. Where they may be apart by chance, they are drawn
         /// to their mean: by (1.5 r)^4, at most 1, r the variance of the scatter over its distance from a sphere (after Ledoit,
