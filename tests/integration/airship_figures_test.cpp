@@ -113,6 +113,10 @@ TEST_CASE("the best choice for the airship loses to the published filter nowhere
         {"airship", {noise + "=5m", "world.targets.airship.speed=0.2 m/s"}},
         {"airship", {noise + "=1m", "world.targets.airship.semi_axes=[5 m, 12 m, 5 m]"}},  // it flies sideways
         {"airship", {noise + "=1m", "world.targets.airship.semi_axes=[30 m, 4 m, 4 m]"}},
+        {"airship", {noise + "=1.2m", "world.targets.airship.semi_axes=[27 m, 1.9 m, 1.9 m]"}},
+        {"airship_turning",
+         {noise + "=0.2m", "world.targets.airship.semi_axes=[25 m, 2 m, 2 m]", "world.targets.airship.speed=1.5 m/s",
+          "world.targets.airship.turn_rate=1 deg/s"}},
         {"airship_turning",
          {noise + "=1m", "world.targets.airship.turn_rate=6 deg/s", "world.targets.airship.speed=40 m/s"}},
     }));
