@@ -147,6 +147,7 @@ private:
     struct Axis {
         Vector<D> direction;
         double variance;
+        double points;
     };
     static Axis axis_of(const Matrix<D>& covariance, double points) {
         Vector<D> values;
@@ -156,17 +157,17 @@ private:
         double less = 0;
         for (int k = 0; k < D - 1; ++k) less += values(k) / (D - 1);
         const double apart = values(D - 1) - less;
-        return {vectors.col(D - 1), std::min(values(D - 1) * less / (points * apart * apart), no_direction)};
+        return {vectors.col(D - 1), std::min(values(D - 1) * less / (points * apart * apart), no_direction), points};
     }
 
-    /// w = s_F^2/(s_F^2 + s_G^2), s_G^2 the variance of the velocity's direction, and where few scans have entered G what it
-    /// knows less than F of its own axis (both are of the same points: what they have in common does not count). How far the
-    /// two main axes are apart beyond what the variances explain is put down to the random matrix, which lags behind turns.
+    /// w = s_F^2/(s_F^2 + s_G^2), s_G^2 the variance of the velocity's direction, and where G is made of fewer points than F, a
+    /// share of its own axis' variance. How far the two main axes are apart beyond what the variances explain is put down to
+    /// the random matrix, which lags behind turns.
     static double weight(const Axis& of_random, double by_velocity, const Axis& of_turned) {
         const double apart = std::acos(std::min(1.0, std::fabs(of_random.direction.dot(of_turned.direction))));
         const double lag =
             std::max(0.0, apart * apart / (D - 1) - of_random.variance - by_velocity - of_turned.variance);
-        const double known_less = std::max(0.0, of_turned.variance - of_random.variance);
+        const double known_less = of_turned.variance * std::max(0.0, 1 - of_turned.points / of_random.points);
         return (of_random.variance + lag) / (of_random.variance + lag + by_velocity + known_less);
     }
 
