@@ -1,4 +1,4 @@
-// What takes a process of its own: loading plugins, checking configs.
+// What takes a process of its own: loading plugins, checking configs, campaigns.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -9,6 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "../tests/fixtures/temporary_folder.hpp"
 #include "../tests/support/process.hpp"
 
 namespace pelorus::bench {
@@ -62,6 +63,20 @@ void check(benchmark::State& state, const std::string& config, std::vector<std::
         benchmark::Counter(processor_seconds() - before, benchmark::Counter::kAvgIterations);
 }
 
+/// The airship's campaign, two of its variants, 16 runs of each of their 18 cells; the whole process.
+void campaign(benchmark::State& state, const std::string& threads) {
+    const test::TemporaryFolder folder;
+    int number = 0;
+    for (auto _ : state) {
+        const auto start = std::chrono::steady_clock::now();
+        const Ended ended = test::pelorus_command({"run", PELORUS_SOURCE_DIR "/configs/airship.yaml", "--variant",
+                                                   "published", "--variant", "best", "--runs", "16", "--set", "files=~",
+                                                   "--threads", threads, "--out", folder / std::to_string(number++)});
+        state.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        if (ended.exit != 0) return state.SkipWithError(("the campaign fails: " + ended.err).c_str());
+    }
+}
+
 /// A config of fifty nodes: a simulation, 24 trackers with a filter of their own each, 24 analyzers, a sink.
 std::string fifty_nodes() {
     constexpr int trackers = 24;
@@ -111,6 +126,8 @@ template <class Function> void add(const char* name, const Function& function) {
     add("check/airship_campaign",
         [](benchmark::State& state) { check(state, PELORUS_SOURCE_DIR "/configs/airship.yaml"); });
     add("check/50_nodes", [](benchmark::State& state) { check(state, fifty_nodes()); });
+    add("campaign/1_thread", [](benchmark::State& state) { campaign(state, "1"); });
+    add("campaign/2_threads", [](benchmark::State& state) { campaign(state, "2"); });
     return true;
 }();
 

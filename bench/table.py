@@ -70,6 +70,17 @@ def process_rows(figures):
                f"process {1e3 * figures.median(name, 'process_cpu_s'):.1f} ms)", figures.spread(name, "real_time"), target)
 
 
+def campaign_rows(figures):
+    one, two = "campaign/1_thread", "campaign/2_threads"
+    if one not in figures.runs or two not in figures.runs:
+        return
+    for name, what in ((one, "1 thread"), (two, "2 threads")):
+        yield (f"the airship's campaign, {what}", f"{288e3 / figures.median(name, 'real_time'):.0f} runs/s",
+               figures.spread(name, "real_time"), "at least 300 runs/s" if name == two else "")
+    yield ("2 threads / 1 thread", f"{figures.median(one, 'real_time') / figures.median(two, 'real_time'):.2f}", None,
+           "at least 1.8")
+
+
 def graph_rows(figures):
     for name, what in (("empty_scans", "scans without measurements"), ("one_measurement", "scans with 1 measurement"),
                        ("hundred_measurements", "scans with 100 measurements"), ("four_receivers", "4 receivers"),
@@ -131,7 +142,7 @@ def main():
     parser.add_argument("--write", type=pathlib.Path)
     arguments = parser.parse_args()
     figures = Figures(json.loads(arguments.figures.read_text()))
-    rows = [*filter_rows(figures), *process_rows(figures), *graph_rows(figures)]
+    rows = [*filter_rows(figures), *process_rows(figures), *campaign_rows(figures), *graph_rows(figures)]
     text = f"{machine(figures, arguments.build)}\n\n{table(rows)}"
     print(text)
     if arguments.write:
