@@ -4,7 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "assignment.hpp"
+#include "../../common/assignment/assignment.hpp"
 
 namespace point_target {
 
@@ -85,10 +85,10 @@ void solve(const std::vector<GatedPair>& pairs, const std::vector<std::size_t>& 
         costs[at] = pairs[i].distance - gate + (pairs[i].log_determinant - largest);
         pair_at[at] = i;
     }
-    const auto answer =
-        assign(static_cast<std::int64_t>(rows.size()), static_cast<std::int64_t>(columns.size()), costs, 0.0);
+    const auto answer = assignment::assign(static_cast<std::int64_t>(rows.size()),
+                                           static_cast<std::int64_t>(columns.size()), costs, 0.0);
     for (std::size_t row = 0; row < answer.size(); ++row)
-        if (answer[row] != unassigned)
+        if (answer[row] != assignment::unassigned)
             chosen.push_back(pair_at[row * columns.size() + static_cast<std::size_t>(answer[row])]);
 }
 

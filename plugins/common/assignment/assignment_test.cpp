@@ -6,8 +6,8 @@
 #include <numeric>
 #include <random>
 
-using point_target::assign;
-using point_target::unassigned;
+using assignment::assign;
+using assignment::unassigned;
 
 namespace {
 
@@ -49,7 +49,7 @@ double least(std::size_t row, std::size_t rows, std::size_t columns, const std::
 
 }  // namespace
 
-TEST_CASE("Assignment finds the least cost of thousands of small random problems", "[tracker.point_target]") {
+TEST_CASE("Assignment finds the least cost of thousands of small random problems", "[assignment]") {
     std::mt19937 random(1);
     for (int problem = 0; problem < 5000; ++problem) {
         const auto rows = static_cast<std::int64_t>(random() % 6), columns = static_cast<std::int64_t>(random() % 6);
@@ -69,7 +69,7 @@ TEST_CASE("Assignment finds the least cost of thousands of small random problems
     }
 }
 
-TEST_CASE("Assignment of equal costs takes the first that comes", "[tracker.point_target]") {
+TEST_CASE("Assignment of equal costs takes the first that comes", "[assignment]") {
     CHECK(assign(2, 3, {1, 1, 1, 1, 1, 1}, 5) == std::vector<std::int64_t>{0, 1});
     CHECK(assign(1, 1, {5}, 5) == std::vector<std::int64_t>{0});  // better than none, if it is no worse
     CHECK(assign(1, 1, {5.1}, 5) == std::vector<std::int64_t>{unassigned});
@@ -77,7 +77,7 @@ TEST_CASE("Assignment of equal costs takes the first that comes", "[tracker.poin
     CHECK(assign(0, 3, {}, 5).empty());
 }
 
-TEST_CASE("Assignment reassigns along chains of any length", "[tracker.point_target]") {
+TEST_CASE("Assignment reassigns along chains of any length", "[assignment]") {
     // Row i may have column i - 1 or i; the last row may have the last column but one only: all must move.
     constexpr std::int64_t n = 400;
     std::vector<double> costs(n * n, forbidden);
@@ -90,7 +90,7 @@ TEST_CASE("Assignment reassigns along chains of any length", "[tracker.point_tar
     CHECK(total(n, n, costs, 1000, answer) == n);
 }
 
-TEST_CASE("Assignment of a large dense problem agrees with its dual bound", "[tracker.point_target]") {
+TEST_CASE("Assignment of a large dense problem agrees with its dual bound", "[assignment]") {
     // Costs a_i + b_j + c_ij with c >= 0 and one zero a row in a hidden permutation: the least sum is known.
     constexpr std::int64_t n = 300;
     std::mt19937 random(5);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace point_target {
+namespace assignment {
 
 constexpr std::int64_t unassigned = -1;
 
@@ -18,4 +18,4 @@ constexpr std::int64_t unassigned = -1;
 std::vector<std::int64_t> assign(std::int64_t rows, std::int64_t columns, const std::vector<double>& costs,
                                  double cost_of_none);
 
-}  // namespace point_target
+}  // namespace assignment

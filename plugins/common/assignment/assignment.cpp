@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace point_target {
+namespace assignment {
 
 namespace {
 
@@ -122,9 +122,9 @@ private:
 
 std::vector<std::int64_t> assign(std::int64_t rows, std::int64_t columns, const std::vector<double>& costs,
                                  double cost_of_none) {
-    Assignment assignment(rows, columns, costs, cost_of_none);
-    for (std::int64_t row = 0; row < rows; ++row) assignment.augment(row);
-    return std::move(assignment).columns();
+    Assignment problem(rows, columns, costs, cost_of_none);
+    for (std::int64_t row = 0; row < rows; ++row) problem.augment(row);
+    return std::move(problem).columns();
 }
 
-}  // namespace point_target
+}  // namespace assignment
