@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include <pelorus/matrix.hpp>
 #include <pelorus/small_matrix.hpp>
+
+#include "overlap.hpp"
 
 namespace shape_error {
 
@@ -39,6 +42,7 @@ struct Difference {
     double short_axis = 0, long_axis = 0;  ///< m, signed
     double axis_angle = 0;                 ///< degrees between the main axes, folded to 0..90
     double gaussian_wasserstein = 0;       ///< m
+    double intersection_over_union = std::numeric_limits<double>::quiet_NaN();  ///< where it was asked for
 };
 
 /// sqrt(|c1 - c2|^2 + tr(X1 + X2 - 2 (X1^1/2 X2 X1^1/2)^1/2)).
@@ -51,10 +55,11 @@ template <int D> double gaussian_wasserstein(const Vector<D>& offset, const Matr
     return std::sqrt(offset.squaredNorm() + std::max(0.0, (one + other - 2.0 * mixed).trace()));
 }
 
-/// Centres (m) and extents (m^2, by columns) of estimate and truth; nothing where one of them is no ellipsoid.
+/// Centres (m) and extents (m^2, by columns) of estimate and truth; nothing where one of them is no ellipsoid. `overlap`: whether
+/// their intersection is asked for.
 template <int D>
 std::optional<Difference> difference(const double* centre, const double* extent, const double* true_centre,
-                                     const double* true_extent) {
+                                     const double* true_extent, bool overlap) {
     const Matrix<D> estimated = Eigen::Map<const Matrix<D>>(extent), real = Eigen::Map<const Matrix<D>>(true_extent);
     const auto one = Ellipsoid<D>::of(estimated), other = Ellipsoid<D>::of(real);
     if (!one || !other) return std::nullopt;
@@ -64,6 +69,7 @@ std::optional<Difference> difference(const double* centre, const double* extent,
     out.long_axis = one->long_axis - other->long_axis;
     out.axis_angle = std::acos(std::min(1.0, std::fabs(one->main_axis.dot(other->main_axis)))) * degrees;
     out.gaussian_wasserstein = gaussian_wasserstein<D>(offset, estimated, real);
+    if (overlap) out.intersection_over_union = intersection_over_union(offset, estimated, real);
     return out;
 }
 

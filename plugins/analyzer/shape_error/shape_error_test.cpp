@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "../../../tests/fixtures/stage_bench.hpp"
+#include "../../../tests/fixtures/results_of.hpp"
 #include "shape_error.hpp"
 
 namespace {
@@ -22,6 +22,7 @@ MatrixXd ellipsoid(double a, double b, double c, double degrees) {
 struct Scored {
     Bench bench;
     StageUnderTest analyzer;
+    ResultsOf results{bench, analyzer};
     explicit Scored(const std::string& with = "{from_scan: 0}")
         : analyzer(bench, plugin_of<shape_error::ShapeError>("analyzer.shape_error"), with) {}
 
@@ -38,13 +39,7 @@ struct Scored {
             {1, k * second, PLR_TRACK_CONFIRMED, 0, mean.data(), covariance.data(), estimated.data(), {}, 0, {}, {}});
         analyzer.receive(tracks, builder.message(k * second));
     }
-    double scalar(const std::string& name) {
-        if (bench.published.empty()) analyzer.finish();
-        const plr_table& t = bench.published.back().table();
-        for (std::uint32_t i = 0; i < t.scalar_count; ++i)
-            if (name == t.scalars[i].name) return t.scalars[i].value;
-        throw std::runtime_error("no scalar " + name);
-    }
+    double scalar(const std::string& name) { return results.value(name); }
 };
 
 }  // namespace
@@ -105,4 +100,17 @@ TEST_CASE("shape error: tracks without extent are refused, flat shapes are not s
     run.add(0, MatrixXd::Zero(3, 3), ellipsoid(12, 5, 5, 0));  // a point
     CHECK(run.scalar("scored") == 0);
     CHECK(std::isnan(run.scalar("major_axis_error")));
+}
+
+TEST_CASE("shape error: intersection over union is told on request", "[shape_error]") {
+    Scored run("{from_scan: 0, overlap: true}");
+    run.add(0, ellipsoid(12, 5, 5, 0), ellipsoid(6, 2.5, 2.5, 0));
+    CHECK(run.scalar("intersection_over_union") == Approx(1 / 8.0).epsilon(1e-4));
+    CHECK(run.results.cell(0, "intersection_over_union") == Approx(1 / 8.0).epsilon(1e-4));
+    Scored flat("{from_scan: 0, overlap: true}");
+    flat.add(0, ellipsoid(12, 5, 1, 20).topLeftCorner(2, 2), ellipsoid(6, 5, 1, 20).topLeftCorner(2, 2));
+    CHECK(flat.scalar("intersection_over_union") == Approx(0.5));
+    Scored unasked;
+    unasked.add(0, ellipsoid(12, 5, 5, 0), ellipsoid(6, 2.5, 2.5, 0));
+    CHECK_THROWS_WITH(unasked.scalar("intersection_over_union"), "no scalar intersection_over_union");
 }
