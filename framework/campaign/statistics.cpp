@@ -7,8 +7,10 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <pelorus/abi/abi.h>
+#include <pelorus/abi/consistency.h>
 
 #include "campaign/totals.hpp"
+#include "report/chi_square.hpp"
 
 namespace pelorus::campaign {
 
@@ -30,6 +32,8 @@ double estimate(std::uint32_t reduce, double quantile, const std::vector<double>
             return std::sqrt(weighted_sum / n);
         case PLR_REDUCE_SUM:
             return weighted_sum;
+        case PLR_REDUCE_CHI_SQUARE:
+            return report::chi_square_bound(weighted_sum, quantile);
         case PLR_REDUCE_MIN:
             return *std::min_element(finite.begin(), finite.end());
         case PLR_REDUCE_MAX:

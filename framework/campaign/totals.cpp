@@ -9,8 +9,10 @@
 #include <utility>
 
 #include <pelorus/abi/abi.h>
+#include <pelorus/abi/consistency.h>
 
 #include "campaign/in_order.hpp"
+#include "report/chi_square.hpp"
 
 namespace pelorus::campaign {
 
@@ -20,7 +22,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool is_sum(std::uint32_t reduce) {
     return reduce == PLR_REDUCE_MEAN || reduce == PLR_REDUCE_ROOT_MEAN_SQUARE || reduce == PLR_REDUCE_SUM ||
-           reduce == PLR_REDUCE_COUNT;
+           reduce == PLR_REDUCE_COUNT || reduce == PLR_REDUCE_CHI_SQUARE;
 }
 
 /// The number that an element of a text column has among the texts of all runs; new texts are appended.
@@ -222,6 +224,8 @@ double reduced(const runtime::Column& column, const RowTotals& row, std::size_t 
             return count > 0 ? value / count : nan;
         case PLR_REDUCE_ROOT_MEAN_SQUARE:
             return count > 0 ? std::sqrt(value / count) : nan;
+        case PLR_REDUCE_CHI_SQUARE:
+            return report::chi_square_bound(value, column.quantile);
         case PLR_REDUCE_QUANTILE:
             return quantile_of(row.sorted[quantile_index], column.quantile);
         case PLR_REDUCE_KEY:

@@ -4,6 +4,9 @@
 #include <limits>
 
 #include <pelorus/abi/abi.h>
+#include <pelorus/abi/consistency.h>
+
+#include "report/chi_square.hpp"
 
 namespace pelorus::report {
 namespace {
@@ -19,7 +22,7 @@ TableResult table_of(const runtime::Table& table) {
         const runtime::Column& column = table.columns[i % width];
         if (!column.texts.empty()) continue;
         if (!std::isfinite(result.rows[i])) ++result.non_finite;
-        result.rows[i] = reduce_one(result.rows[i], column.reduce);
+        result.rows[i] = reduce_one(result.rows[i], column.reduce, column.quantile);
     }
     return result;
 }
@@ -34,7 +37,8 @@ ScalarResult mean_of_column(const runtime::Table& table, const runtime::Scalar& 
         std::uint64_t count = 0;
         for (std::size_t i = col; i < table.rows.size(); i += width) {
             if (!std::isfinite(table.rows[i])) ++result.non_finite;
-            const double reduced = reduce_one(table.rows[i], table.columns[col].reduce);
+            const runtime::Column& column = table.columns[col];
+            const double reduced = reduce_one(table.rows[i], column.reduce, column.quantile);
             if (!std::isfinite(reduced)) continue;
             sum += reduced;
             ++count;
@@ -47,7 +51,8 @@ ScalarResult mean_of_column(const runtime::Table& table, const runtime::Scalar& 
 ScalarResult scalar_of(const runtime::Table& table, const runtime::Scalar& scalar) {
     if (!scalar.column.empty()) return mean_of_column(table, scalar);
     const std::uint64_t non_finite = std::isfinite(scalar.value) ? 0 : 1;
-    return {table.node + '.' + scalar.name, scalar.unit, reduce_one(scalar.value, scalar.reduce), {}, non_finite};
+    const double value = reduce_one(scalar.value, scalar.reduce, scalar.quantile);
+    return {table.node + '.' + scalar.name, scalar.unit, value, {}, non_finite};
 }
 
 Json scalar_json(const ScalarResult& scalar) {
@@ -80,12 +85,14 @@ Json table_json(const TableResult& table) {
 
 }  // namespace
 
-double reduce_one(double value, std::uint32_t reduce) noexcept {
+double reduce_one(double value, std::uint32_t reduce, double quantile) {
     switch (reduce) {
         case PLR_REDUCE_ROOT_MEAN_SQUARE:
             return std::fabs(value);
         case PLR_REDUCE_COUNT:
             return std::isfinite(value) ? 1 : 0;
+        case PLR_REDUCE_CHI_SQUARE:
+            return chi_square_bound(value, quantile);
         default:
             return value;
     }

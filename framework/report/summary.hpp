@@ -42,8 +42,8 @@ struct Cell {
 };
 
 /// What a value is after reduction (PLR_REDUCE_...) over this one run: a root mean square is its magnitude, a count is
-/// 1 if it is finite and else 0, all others are the value itself.
-double reduce_one(double value, std::uint32_t reduce) noexcept;
+/// 1 if it is finite and else 0, degrees of freedom become a bound at `quantile`, all others are the value itself.
+double reduce_one(double value, std::uint32_t reduce, double quantile = 0);
 
 /// The cell of a single run. A scalar of a column is the mean of that column's reduced finite elements.
 Cell cell_of_run(const runtime::Results& results);

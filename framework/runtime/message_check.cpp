@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <pelorus/abi/consistency.h>
 
 #include "host/kinds.hpp"
 #include "runtime/message_fields.hpp"
@@ -172,11 +173,13 @@ private:
             fail("weight", fmt::format("is {}, expected a finite number >= 0", scalar.weight));
     }
     void check_reduce(std::uint32_t reduce, double quantile) const {
-        if (reduce > PLR_REDUCE_FIRST_RUN)
+        if (reduce > PLR_REDUCE_CHI_SQUARE)
             fail("reduce", fmt::format("is {}, expected one of PLR_REDUCE_... (0 to {})", reduce,
-                                       static_cast<int>(PLR_REDUCE_FIRST_RUN)));
+                                       static_cast<int>(PLR_REDUCE_CHI_SQUARE)));
         if (reduce == PLR_REDUCE_QUANTILE && !(quantile >= 0 && quantile <= 1))
             fail("quantile", fmt::format("is {}, expected 0 to 1", quantile));
+        if (reduce == PLR_REDUCE_CHI_SQUARE && !(quantile > 0 && quantile < 1))
+            fail("quantile", fmt::format("is {}, expected more than 0 and less than 1", quantile));
     }
 
     std::array<Place, 5> levels_{};

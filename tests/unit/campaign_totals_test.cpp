@@ -5,9 +5,11 @@
 #include <limits>
 
 #include <pelorus/abi/abi.h>
+#include <pelorus/abi/consistency.h>
 
 #include "campaign/finished_cell.hpp"
 #include "campaign/in_order.hpp"
+#include "campaign/statistics.hpp"
 
 using namespace pelorus;
 using campaign::Blocks;
@@ -154,6 +156,31 @@ TEST_CASE("Columns reduce as their analyzers say", "[campaign]") {
     CHECK(row[8] == element(results_of(0), 2, 8));
     CHECK(cell["cell"]["tables"]["errors.by_time"]["non_finite"] == 7 * 8);
     CHECK(cell["cell"]["scalars"]["errors.rmse"]["non_finite"] == 8);
+}
+
+TEST_CASE("Degrees of freedom of all runs make a bound of chi-square", "[campaign]") {
+    Totals totals;
+    for (std::uint64_t run = 0; run < 5; ++run) {
+        runtime::Table table;
+        table.node = "errors";
+        table.name = "by_time";
+        table.columns = {{"time", "s", PLR_REDUCE_KEY, 0, {}},
+                         {"lower", "", PLR_REDUCE_CHI_SQUARE, 0.025, {}},
+                         {"upper", "", PLR_REDUCE_CHI_SQUARE, 0.975, {}}};
+        const double degrees = run == 3 ? nan : 6;
+        table.rows = {0, degrees, degrees};
+        table.scalars = {{"bound", "", PLR_REDUCE_CHI_SQUARE, degrees, 0.975, "", 1}};
+        runtime::Results results;
+        results.tables.push_back(table);
+        totals.add(results, run);
+    }
+    const auto& found = totals.tables().at(0);
+    // Chi-square of 24 degrees: 12.4012 and 39.3641.
+    CHECK(campaign::reduced(found.columns[1], found.rows.at(0), 1, 0) == Approx(12.4012 / 24).epsilon(1e-5));
+    CHECK(campaign::reduced(found.columns[2], found.rows.at(0), 2, 0) == Approx(39.3641 / 24).epsilon(1e-5));
+    const auto& scalar = totals.scalars().at(0);
+    CHECK(campaign::estimate_of(scalar.reduce, scalar.quantile, scalar.values, scalar.weights).value ==
+          Approx(39.3641 / 24).epsilon(1e-5));
 }
 
 TEST_CASE("An RMSE is the mean over time of the root mean square over runs", "[campaign]") {

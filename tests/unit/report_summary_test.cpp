@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <pelorus/abi/abi.h>
+#include <pelorus/abi/consistency.h>
 
 #include "report/json_file.hpp"
 #include "report/summary.hpp"
@@ -64,6 +65,8 @@ TEST_CASE("the reductions of a single run", "[report]") {
     for (const std::uint32_t reduce : {PLR_REDUCE_KEY, PLR_REDUCE_MEAN, PLR_REDUCE_SUM, PLR_REDUCE_MIN, PLR_REDUCE_MAX,
                                        PLR_REDUCE_QUANTILE, PLR_REDUCE_FIRST_RUN})
         CHECK(report::reduce_one(-3, reduce) == -3);
+    CHECK(report::reduce_one(10, PLR_REDUCE_CHI_SQUARE, 0.975) == Approx(2.04832).epsilon(1e-5));  // tables: 20.4832
+    CHECK(std::isnan(report::reduce_one(0, PLR_REDUCE_CHI_SQUARE, 0.975)));
     CHECK(report::reduce_one(-3, PLR_REDUCE_COUNT) == 1);
     CHECK(report::reduce_one(not_a_number, PLR_REDUCE_COUNT) == 0);
     CHECK(std::isnan(report::reduce_one(not_a_number, PLR_REDUCE_MEAN)));

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include <pelorus/abi/consistency.h>
+
 #include "runtime/message_bytes.hpp"
 #include "runtime/message_check.hpp"
 #include "runtime/message_copy.hpp"
@@ -189,8 +191,8 @@ TEST_CASE("what is wrong with values and tables is told by element", "[runtime][
     SECTION("columns") {
         table.columns[1].name = "time";
         CHECK(problem(table.message(0)) == "table.columns[1] has the name time twice");
-        table.columns[1].reduce = 9;
-        CHECK(problem(table.message(0)) == "table.columns[1].reduce is 9, expected one of PLR_REDUCE_... (0 to 8)");
+        table.columns[1].reduce = 10;
+        CHECK(problem(table.message(0)) == "table.columns[1].reduce is 10, expected one of PLR_REDUCE_... (0 to 9)");
     }
     SECTION("text columns") {
         table.columns[1].texts = texts;
@@ -211,6 +213,9 @@ TEST_CASE("what is wrong with values and tables is told by element", "[runtime][
         table.scalar.reduce = PLR_REDUCE_QUANTILE;
         table.scalar.quantile = 2;
         CHECK(problem(table.message(0)) == "table.scalars[0].quantile is 2, expected 0 to 1");
+        table.scalar.reduce = PLR_REDUCE_CHI_SQUARE;
+        table.scalar.quantile = 1;
+        CHECK(problem(table.message(0)) == "table.scalars[0].quantile is 1, expected more than 0 and less than 1");
     }
     SECTION("kinds") {
         plr_message message = table.message(0);

@@ -1,131 +1,105 @@
-/// analyzer.tracking_error: position and velocity of estimates against truth. See README.md.
+/// analyzer.tracking_error: position, velocity and acceleration of estimates against truth, and their covariances. See README.md.
 #pragma once
 
-#include <cmath>
-#include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
-#include <pelorus/small_matrix.hpp>
+#include <pelorus/innovations.hpp>
 #include <pelorus/truth_pairs.hpp>
 
+#include "moments.hpp"
+
 namespace tracking_error {
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-/// (e, e)_P^-1 of position and velocity (or position alone, where one side tells no velocity); NaN where P is not positive definite.
-inline double normalised_error(const pelorus::TruthPairs::Pair& pair) {
-    using Square = pelorus::small::Bounded<6, 6>;
-    using Column = pelorus::small::Bounded<6, 1>;
-    const auto given = static_cast<Eigen::Index>(pair.estimate->moments.size());
-    const auto n = std::min(given, static_cast<Eigen::Index>(pair.truth->moments.size()));
-    Square covariance(n, n), root(n, n);
-    Column error(n, 1);
-    for (Eigen::Index col = 0; col < n; ++col) {
-        const auto k = static_cast<std::size_t>(col);
-        error(col, 0) = pair.estimate->moments[k] - pair.truth->moments[k];
-        for (Eigen::Index row = 0; row < n; ++row)
-            covariance(row, col) = pair.estimate->covariance[static_cast<std::size_t>(col * given + row)];
-    }
-    if (!pelorus::small::cholesky(covariance, root)) return nothing;
-    return pelorus::small::inverse_quadratic(root, error);
-}
-
-/// The errors of one time: over its pairs, root mean squares and means.
-struct Row {
-    double position = nothing, velocity = nothing, normalised = nothing;
-    std::vector<double> axis, bias;  ///< of the position, an axis
-
-    Row(const std::vector<pelorus::TruthPairs::Pair>& pairs, int axes)
-        : axis(static_cast<std::size_t>(axes), nothing), bias(static_cast<std::size_t>(axes), nothing) {
-        if (pairs.empty()) return;
-        const auto n = static_cast<std::size_t>(axes);
-        const double count = static_cast<double>(pairs.size());
-        double position_squares = 0, velocity_squares = 0, normalised_sum = 0, velocities = 0;
-        std::vector<double> squares(n, 0), sums(n, 0);
-        for (const auto& pair : pairs) {
-            for (std::size_t k = 0; k < n; ++k) {
-                const double error = pair.estimate->moments[k] - pair.truth->moments[k];
-                squares[k] += error * error;
-                sums[k] += error;
-                position_squares += error * error;
-            }
-            normalised_sum += normalised_error(pair);
-            if (!pair.estimate->has_velocity() || !pair.truth->has_velocity()) continue;
-            velocities += 1;
-            for (std::size_t k = n; k < 2 * n; ++k)
-                velocity_squares += std::pow(pair.estimate->moments[k] - pair.truth->moments[k], 2);
-        }
-        position = std::sqrt(position_squares / count);
-        normalised = normalised_sum / count;
-        if (velocities > 0) velocity = std::sqrt(velocity_squares / velocities);
-        for (std::size_t k = 0; k < n; ++k) {
-            axis[k] = std::sqrt(squares[k] / count);
-            bias[k] = sums[k] / count;
-        }
-    }
-};
 
 class TrackingError : public pelorus::Stage<TrackingError> {
 public:
     static constexpr const char* kind = "analyzer";
+    static constexpr std::uint32_t state_version = 2;
 
     static void describe(pelorus::Describe<TrackingError>& plugin) {
         plugin.title("Tracking error")
             .purpose(
-                "Compares confirmed tracks with the truth at the same times: errors of position and velocity, bias, "
-                "and whether the "
-                "covariances are honest. Every track entry is scored against the object nearest to it. Both must be in "
-                "the "
-                "frame of this node.")
+                "Compares confirmed tracks with the truth at the same times: errors of position, velocity and "
+                "acceleration, bias, and whether the covariances are honest, of the estimates and (where the tracker "
+                "tells its innovations) of the predictions. Every track entry is scored against the object nearest to "
+                "it. Both must be in the frame of this node.")
             .equation(
                 "position: sqrt(mean over runs of |p - p_true|^2) at each time; its RMSE is the mean of that over "
-                "time; nees: e' P^-1 "
-                "e of position and velocity, which is their number (6 in space) where P is right");
+                "time; nees: e' P^-1 e of position and velocity, which is their number (6 in space) where P is right; "
+                "nis: e' S^-1 e of an innovation; anees, anis: sums of those over sums of their components, 1 where "
+                "all is right, between chi-square quantiles with a probability of `confidence`")
+            .source(
+                "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, "
+                "Wiley 2001, 5.4.2; X. R. Li, Z. Zhao, V. P. Jilkov, Practical measures and test for credibility of "
+                "an estimator, Workshop on Estimation, Tracking, and Fusion, 2001 (anees)");
         plugin.in_port("tracks", PLR_MESSAGE_TRACKS, "estimates");
         plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is");
-        plugin.out_port("results", PLR_MESSAGE_TABLE, "the table by_time and its scalars, at the end");
+        plugin.in_port("innovations", PLR_MESSAGE_VALUES, "normalised innovations squared of a tracker",
+                       PLR_PORT_OPTIONAL);
+        plugin.out_port("results", PLR_MESSAGE_TABLE, "the tables by_time, acceleration and innovations, at the end");
+        plugin.parameter("acceleration", &TrackingError::acceleration_)
+            .initially("false")
+            .doc("whether errors of the acceleration are told, in a table of their own");
+        plugin.parameter("confidence", &TrackingError::confidence_)
+            .initially("0.95")
+            .above(0)
+            .below(1)
+            .doc("probability with which honest covariances keep within the bounds of anees and anis");
     }
 
     void setup(const pelorus::Setup& setup) { frame_ = setup.frame(); }
-    std::vector<pelorus::Stream> in_streams(std::uint32_t) const { return pelorus::TruthPairs::streams(frame_); }
+    std::vector<pelorus::Stream> in_streams(std::uint32_t port) const {
+        return port == innovations_in ? std::vector<pelorus::Stream>() : pelorus::TruthPairs::streams(frame_);
+    }
 
     void on_tracks(const pelorus::Event&, const plr_tracks& tracks) { pairs_.add(tracks); }
     void on_truth(const pelorus::Event&, const plr_truth& truth) { pairs_.add(truth); }
+    void on_values(const pelorus::Event&, const plr_values& values) {
+        const std::int64_t found = pelorus::for_each_innovation(values, [&](const pelorus::Innovation& innovation) {
+            innovations_[innovation.time].add(innovation.squared, innovation.components);
+        });
+        if (found == 0) throw pelorus::DataError("tells no " PLR_QUANTITY_INNOVATION);
+    }
 
     void finish(const pelorus::Event& event) {
-        static const char* const names[] = {".x", ".y", ".z"};
+        publish_errors(event.time);
+        publish_accelerations(event.time);
+        publish_innovations(event.time);
+    }
+
+    template <class Archive> void state(Archive& archive) { archive(pairs_, innovations_); }
+
+private:
+    static constexpr std::uint32_t innovations_in = 2;  // the third in port
+    struct Counts {
+        double estimates = 0, missing = 0, without_truth = 0;
+    };
+
+    void publish_errors(std::int64_t time) {
         pelorus::ResultBuilder result("by_time");
         const int axes = pairs_.axes();
         result.column("time", "s", PLR_REDUCE_KEY);
         result.column("position", "m", PLR_REDUCE_ROOT_MEAN_SQUARE);
         result.column("velocity", "m/s", PLR_REDUCE_ROOT_MEAN_SQUARE);
         result.column("nees", "", PLR_REDUCE_MEAN);
+        add_consistency(result, "anees");
         result.column("estimates", "", PLR_REDUCE_MEAN);
         result.column("missing", "", PLR_REDUCE_MEAN);
-        for (int k = 0; k < axes; ++k)
-            result.column(std::string("position") + names[k], "m", PLR_REDUCE_ROOT_MEAN_SQUARE);
-        for (int k = 0; k < axes; ++k) result.column(std::string("position_bias") + names[k], "m", PLR_REDUCE_MEAN);
+        add_axes(result, "position", "m");
+        add_axes(result, "velocity", "m/s");
         const Counts counts = add_rows(result);
         result.scalar_of_column("position_rmse", "m", "position");
         result.scalar_of_column("velocity_rmse", "m/s", "velocity");
         for (int k = 0; k < axes; ++k)
-            result.scalar_of_column(std::string("position_bias") + names[k], "m",
-                                    std::string("position_bias") + names[k]);
+            result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
         result.scalar("without_truth", "", PLR_REDUCE_MEAN, counts.without_truth);
-        publish(0, result.message(event.time));
+        publish(0, result.message(time));
     }
-
-    template <class Archive> void state(Archive& archive) { archive(pairs_); }
-
-private:
-    struct Counts {
-        double estimates = 0, missing = 0, without_truth = 0;
-    };
 
     /// One row an instant that has truth.
     Counts add_rows(pelorus::ResultBuilder& result) const {
@@ -135,22 +109,90 @@ private:
                 counts.without_truth += static_cast<double>(instant.estimates.size());
                 continue;
             }
-            const Row row(instant.pairs(), pairs_.axes());
+            const Pairs pairs = instant.pairs();
+            const Errors position(pairs, pairs_.axes(), 0), velocity(pairs, pairs_.axes(), 1);
+            NormalisedSquares squares;
+            for (const auto& pair : pairs) add_error(pair, squares);
             const double estimates = static_cast<double>(instant.estimates.size()),
                          missing = static_cast<double>(instant.missing());
             counts.estimates += estimates;
             counts.missing += missing;
-            std::vector<double> cells{
-                static_cast<double>(time) * 1e-9, row.position, row.velocity, row.normalised, estimates, missing};
-            cells.insert(cells.end(), row.axis.begin(), row.axis.end());
-            cells.insert(cells.end(), row.bias.begin(), row.bias.end());
+            std::vector<double> cells{seconds(time), position.norm, velocity.norm, squares.mean()};
+            add_cells(cells, squares);
+            cells.insert(cells.end(), {estimates, missing});
+            for (const Errors* errors : {&position, &velocity}) add_cells(cells, *errors);
             result.row(cells);
         }
         return counts;
     }
 
+    void publish_accelerations(std::int64_t time) {
+        if (!acceleration_) return;
+        pelorus::ResultBuilder result("acceleration");
+        result.column("time", "s", PLR_REDUCE_KEY);
+        result.column("acceleration", "m/s2", PLR_REDUCE_ROOT_MEAN_SQUARE);
+        add_axes(result, "acceleration", "m/s2");
+        for (const auto& [when, instant] : pairs_.instants()) {
+            if (instant.truth.empty()) continue;
+            const Errors errors(instant.pairs(), pairs_.axes(), 2);
+            std::vector<double> cells{seconds(when), errors.norm};
+            add_cells(cells, errors);
+            result.row(cells);
+        }
+        result.scalar_of_column("acceleration_rmse", "m/s2", "acceleration");
+        publish(0, result.message(time));
+    }
+
+    void publish_innovations(std::int64_t time) {
+        if (innovations_.empty()) return;
+        pelorus::ResultBuilder result("innovations");
+        result.column("time", "s", PLR_REDUCE_KEY);
+        result.column("nis", "", PLR_REDUCE_MEAN);
+        add_consistency(result, "anis");
+        result.column("innovations", "", PLR_REDUCE_MEAN);
+        double count = 0;
+        for (const auto& [when, squares] : innovations_) {
+            std::vector<double> cells{seconds(when), squares.mean()};
+            add_cells(cells, squares);
+            cells.push_back(squares.count);
+            result.row(cells);
+            count += squares.count;
+        }
+        result.scalar_of_column("nis", "", "nis");
+        result.scalar_of_column("anis", "", "anis");
+        result.scalar("innovations", "", PLR_REDUCE_MEAN, count);
+        publish(0, result.message(time));
+    }
+
+    // Columns, and their cells in the same order.
+    void add_consistency(pelorus::ResultBuilder& result, const std::string& name) const {
+        result.column(name, "", PLR_REDUCE_MEAN);
+        result.column(name + "_lower", "", PLR_REDUCE_CHI_SQUARE, (1 - confidence_) / 2);
+        result.column(name + "_upper", "", PLR_REDUCE_CHI_SQUARE, (1 + confidence_) / 2);
+    }
+    static void add_cells(std::vector<double>& cells, const NormalisedSquares& squares) {
+        cells.insert(cells.end(), {squares.ratio(), squares.bounded_degrees(), squares.bounded_degrees()});
+    }
+    void add_axes(pelorus::ResultBuilder& result, const std::string& name, const std::string& unit) const {
+        for (int k = 0; k < pairs_.axes(); ++k) result.column(of_axis(name, k), unit, PLR_REDUCE_ROOT_MEAN_SQUARE);
+        for (int k = 0; k < pairs_.axes(); ++k) result.column(of_axis(name + "_bias", k), unit, PLR_REDUCE_MEAN);
+    }
+    static void add_cells(std::vector<double>& cells, const Errors& errors) {
+        cells.insert(cells.end(), errors.axis.begin(), errors.axis.end());
+        cells.insert(cells.end(), errors.bias.begin(), errors.bias.end());
+    }
+
+    static std::string of_axis(const std::string& name, int axis) {
+        static const char* const names[] = {".x", ".y", ".z"};
+        return name + names[axis];
+    }
+    static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
+
+    bool acceleration_ = false;
+    double confidence_ = 0.95;
     std::string frame_;
     pelorus::TruthPairs pairs_;
+    std::map<std::int64_t, NormalisedSquares> innovations_;  // by time, ns
 };
 
 }  // namespace tracking_error

@@ -2,20 +2,24 @@
 #include <cmath>
 #include <limits>
 
-#include "../../../tests/fixtures/stage_bench.hpp"
+#include "../../../tests/fixtures/results_of.hpp"
 #include "tracking_error.hpp"
 
 namespace {
 
 using namespace pelorus::test;
 constexpr std::int64_t second = 1'000'000'000;
-enum Port : std::uint32_t { tracks, truth };
+enum Port : std::uint32_t { tracks, truth, innovations };
 
 /// Objects and estimates in space, told by hand.
 struct Scored {
     Bench bench;
-    StageUnderTest analyzer{bench, plugin_of<tracking_error::TrackingError>("analyzer.tracking_error"), "{}"};
-    pelorus::Space space = pelorus::kinematic_space(3, {1, 1});
+    StageUnderTest analyzer;
+    ResultsOf results{bench, analyzer};
+    pelorus::Space space;
+    explicit Scored(const std::string& with = "{}", const std::vector<double>& deviations = {1, 1})
+        : analyzer(bench, plugin_of<tracking_error::TrackingError>("analyzer.tracking_error"), with),
+          space(pelorus::kinematic_space(3, deviations)) {}
 
     void real(std::int64_t time, std::uint64_t id, std::vector<double> state) {
         pelorus::TruthBuilder builder("", space);
@@ -24,27 +28,19 @@ struct Scored {
     }
     void estimate(std::int64_t time, std::uint64_t id, std::vector<double> mean, double variance = 1,
                   std::int32_t status = PLR_TRACK_CONFIRMED) {
-        const Eigen::MatrixXd covariance = variance * Eigen::MatrixXd::Identity(6, 6);
+        const Eigen::MatrixXd covariance = variance * Eigen::MatrixXd::Identity(space.size(), space.size());
         pelorus::TracksBuilder builder("", space);
         builder.add({id, time * second, status, 0, mean.data(), covariance.data(), nullptr, {}, 0, {}, {}});
         analyzer.receive(tracks, builder.message((time + 1) * second), (time + 1) * second);  // belated
     }
-    const plr_table& table() {
-        if (bench.published.empty()) analyzer.finish();
-        return bench.published.back().table();
+    void innovation(std::int64_t time, const std::vector<double>& squares, int components) {
+        pelorus::InnovationsBuilder builder;
+        for (std::size_t i = 0; i < squares.size(); ++i) builder.add(i + 1, squares[i], components);
+        analyzer.receive(innovations, builder.message(time * second));
     }
-    double cell(std::int64_t row, const std::string& column) {
-        const plr_table& t = table();
-        for (std::uint32_t c = 0; c < t.column_count; ++c)
-            if (column == t.columns[c].name) return t.rows.data[row * t.rows.item_stride + c];
-        throw std::runtime_error("no column " + column);
-    }
-    const plr_scalar& scalar(const std::string& name) {
-        const plr_table& t = table();
-        for (std::uint32_t i = 0; i < t.scalar_count; ++i)
-            if (name == t.scalars[i].name) return t.scalars[i];
-        throw std::runtime_error("no scalar " + name);
-    }
+    const plr_table& table() { return results.table(); }
+    double cell(std::int64_t row, const std::string& column) { return results.cell(row, column); }
+    const plr_scalar& scalar(const std::string& name) { return results.scalar(name); }
 };
 
 }  // namespace
@@ -140,4 +136,88 @@ TEST_CASE("tracking error: nothing at all is an empty table", "[tracking_error]"
     Scored run;
     CHECK(run.table().rows.count == 0);
     CHECK(run.scalar("missing").value == 0);
+}
+
+TEST_CASE("tracking error: velocity has axes and a bias, too", "[tracking_error]") {
+    Scored run;
+    run.real(0, 9, {0, 0, 0, 10, 0, 0});
+    run.estimate(0, 1, {0, 0, 0, 11, 0, -2});
+    CHECK(run.cell(0, "velocity.x") == Approx(1));
+    CHECK(run.cell(0, "velocity.z") == Approx(2));
+    CHECK(run.cell(0, "velocity_bias.z") == Approx(-2));
+    CHECK(run.cell(0, "velocity_bias.y") == 0);
+    CHECK_FALSE(run.results.has_table("acceleration"));
+}
+
+TEST_CASE("tracking error: accelerations are scored where both sides tell them", "[tracking_error]") {
+    Scored run("{acceleration: true}", {1, 1, 1});
+    run.real(0, 9, {0, 0, 0, 0, 0, 0, 0, 1, 0});
+    run.estimate(0, 1, {0, 0, 0, 2, 0, 0, 3, 5, 0}, 2);
+    CHECK(run.results.cell(0, "acceleration", "acceleration") == Approx(5));
+    CHECK(run.results.cell(0, "acceleration.x", "acceleration") == Approx(3));
+    CHECK(run.results.cell(0, "acceleration_bias.y", "acceleration") == Approx(4));
+    CHECK(std::string(run.scalar("acceleration_rmse").column) == "acceleration");
+    CHECK(run.cell(0, "nees") == Approx(2));  // of position and velocity alone
+}
+
+TEST_CASE("tracking error: the ratio of squares to components lies between its bounds", "[tracking_error]") {
+    Scored run("{confidence: 0.9}");
+    run.real(0, 1, {0, 0, 0, 0, 0, 0});
+    run.real(0, 2, {100, 0, 0, 0, 0, 0});
+    run.estimate(0, 1, {3, 0, 0, 0, 0, 0}, 1);
+    run.estimate(0, 2, {100, 3, 3, 0, 0, 0}, 1);
+    CHECK(run.cell(0, "nees") == Approx(27 / 2.0));
+    CHECK(run.cell(0, "anees") == Approx(27 / 12.0));
+    CHECK(run.cell(0, "anees_lower") == 12);  // degrees of freedom: the host makes the bound
+    CHECK(run.cell(0, "anees_upper") == 12);
+    CHECK(run.results.column("anees_lower").reduce == PLR_REDUCE_CHI_SQUARE);
+    CHECK(run.results.column("anees_lower").quantile == Approx(0.05));
+    CHECK(run.results.column("anees_upper").quantile == Approx(0.95));
+}
+
+TEST_CASE("tracking error: without a covariance there are no degrees of freedom", "[tracking_error]") {
+    Scored run;
+    run.real(0, 1, {0, 0, 0, 0, 0, 0});
+    run.estimate(0, 1, {1, 0, 0, 0, 0, 0}, 0);
+    run.estimate(0, 2, {2, 0, 0, 0, 0, 0}, 1);
+    CHECK(run.cell(0, "nees") == Approx(4));
+    CHECK(run.cell(0, "anees_lower") == 6);
+}
+
+TEST_CASE("tracking error: innovations have a table of their own", "[tracking_error]") {
+    Scored run;
+    run.innovation(1, {2, 4}, 3);
+    run.innovation(1, {3}, 2);
+    run.innovation(2, {1}, 3);
+    const plr_table& table = run.results.table("innovations");
+    REQUIRE(table.rows.count == 2);
+    CHECK(run.results.cell(0, "time", "innovations") == 1);
+    CHECK(run.results.cell(0, "nis", "innovations") == Approx(3));
+    CHECK(run.results.cell(0, "anis", "innovations") == Approx(9 / 8.0));
+    CHECK(run.results.cell(0, "anis_lower", "innovations") == 8);
+    CHECK(run.results.cell(1, "innovations", "innovations") == 1);
+    CHECK(run.scalar("innovations").value == 4);
+    CHECK(std::string(run.scalar("nis").column) == "nis");
+}
+
+TEST_CASE("tracking error: values that are no innovations are refused", "[tracking_error]") {
+    Scored run;
+    pelorus::ValuesBuilder other;
+    other.add("", "bias", "m", Eigen::MatrixXd::Ones(1, 1));
+    CHECK_THROWS_WITH(run.analyzer.receive(innovations, other.message(0)), "tells no normalised_innovation_squared");
+    pelorus::ValuesBuilder shapeless;
+    shapeless.add("", PLR_QUANTITY_INNOVATION, "", Eigen::MatrixXd::Ones(1, 1));
+    CHECK_THROWS_WITH(run.analyzer.receive(innovations, shapeless.message(0)),
+                      Catch::Contains("is 1 x 1 an item, expected 2 x 1 and ids"));
+    CHECK_FALSE(run.results.has_table("innovations"));
+}
+
+TEST_CASE("tracking error: goes on exactly where its saved state left off", "[tracking_error]") {
+    Scored one, two;
+    one.real(0, 1, {0, 0, 0, 0, 0, 0});
+    one.estimate(0, 1, {1, 0, 0, 0, 0, 0});
+    one.innovation(0, {2}, 3);
+    two.analyzer.load(one.analyzer.save());
+    CHECK(two.cell(0, "position") == 1);
+    CHECK(two.results.cell(0, "nis", "innovations") == 2);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <pelorus/innovations.hpp>
 #include <pelorus/stage.hpp>
 
 #include "joint_filter.hpp"
@@ -34,6 +35,8 @@ public:
                        "measurements of the sensors in the slot of the estimator or joint extent", PLR_PORT_MANY);
         plugin.in_port("inputs", PLR_MESSAGE_VALUES, "values of the models' inputs", PLR_PORT_OPTIONAL | PLR_PORT_MANY);
         plugin.out_port("tracks", PLR_MESSAGE_TRACKS, "the target, once a scan");
+        plugin.out_port("innovations", PLR_MESSAGE_VALUES,
+                        "the centroid's normalised innovation squared, for tests of consistency");
         plugin.slot("estimator", "estimator", 0, 1, "the filter of the kinematics; none where the extent owns them");
         plugin.slot("extent", "extent", 1, 1, "the shape");
         plugin.parameter("start_deviations", &ExtendedTarget::start_deviations_)
@@ -105,7 +108,8 @@ public:
                 streams.push_back({sensor.part().name(), false, sensor.measurement(), false, frame_, false, false});
         return streams;
     }
-    std::vector<pelorus::Stream> out_streams(std::uint32_t) const {
+    std::vector<pelorus::Stream> out_streams(std::uint32_t port) const {
+        if (port != 0) return {};
         return {{"", false, filter_->space(), false, frame_, false, false}};
     }
 
@@ -122,11 +126,13 @@ public:
         Points points = points_of(event.time, scan);
         ++step_;
         tracks_->clear();
+        innovations_.clear();
         if (track_)
             follow(std::move(points));
         else
             begin(std::move(points));
         if (tracks_->count() > 0) publish(0, tracks_->message(event.time));
+        if (innovations_.count() > 0) publish(1, innovations_.message(event.time));
     }
 
     template <class Archive> void state(Archive& archive) {
@@ -218,10 +224,12 @@ private:
         }
         ++next_id_;
         track_ = std::move(track);
-        if (two)
+        if (two) {
             tell(*track_, PLR_TRACK_CONFIRMED, points.ids);
-        else
+        } else {
             follow(points);
+            innovations_.clear();  // this scan made the velocity that it was compared with
+        }
         return true;
     }
 
@@ -275,7 +283,10 @@ private:
             const std::int64_t elapsed = points.time - track_->time;
             if (elapsed > 0) filter_->predict(caller_, look, static_cast<double>(elapsed) * 1e-9, next.records);
             distances = gate(look, next.records, points);
-            if (points.count() > 0) filter_->update(caller_, look, points, next.records);
+            if (points.count() > 0) {
+                const double squared = filter_->update(caller_, look, points, next.records).squared_innovation;
+                innovations_.add(next.id, squared, filter_->dimension());
+            }
             next.misses = points.count() > 0 ? 0 : next.misses + 1;
             const bool lost = next.misses >= misses_to_delete_;
             tell(next,
@@ -372,6 +383,7 @@ private:
     std::unique_ptr<TargetFilter> filter_;
     pelorus::Caller caller_;
     std::unique_ptr<pelorus::TracksBuilder> tracks_;
+    pelorus::InnovationsBuilder innovations_;
     const plr_random* random_ = nullptr;
     const plr_diagnostics* diagnostics_ = nullptr;
     const plr_log* log_ = nullptr;

@@ -48,7 +48,8 @@ struct Tracking {
 
     std::vector<Entry> told() const {
         std::vector<Entry> out;
-        for (const auto& p : bench.published)
+        for (const auto& p : bench.published) {
+            if (p.port != 0) continue;
             for (std::int64_t i = 0; i < p.tracks().count; ++i) {
                 const plr_tracks& t = p.tracks();
                 out.push_back(
@@ -61,6 +62,19 @@ struct Tracking {
                      pelorus::item(t.extent, i),
                      {t.measurements + t.measurement_offsets[i], t.measurements + t.measurement_offsets[i + 1]}});
             }
+        }
+        return out;
+    }
+    /// d^2 of the centroids, in the order of the scans.
+    std::vector<double> innovations() const {
+        std::vector<double> out;
+        for (const auto& p : bench.published)
+            if (p.port == 1)
+                pelorus::for_each_innovation(*p.message->body.values, [&](const pelorus::Innovation& innovation) {
+                    CHECK(innovation.components == 3);
+                    CHECK(innovation.time == p.message->time);
+                    out.push_back(innovation.squared);
+                });
         return out;
     }
 };
@@ -376,4 +390,37 @@ TEST_CASE("extended target: a tracker that weighs shared errors is saved whole, 
     CHECK_THROWS_WITH(Tracking("{update: koch}", with),
                       "shared_error: needs an estimator beside the extent; here the extent (extent.random_matrix) owns "
                       "the kinematics");
+}
+
+TEST_CASE("extended target: the centroid's innovation is told from the first prediction on", "[extended_target]") {
+    const auto update = GENERATE("feldmann", "koch");
+    Tracking run(std::string("{update: ") + update + ", start: consistent}");
+    run.scan(0);
+    run.scan(1);
+    CHECK(run.innovations().empty());  // these two make the start
+    const auto before = run.told().back();
+    run.scan(2);
+    REQUIRE(run.innovations().size() == 1);
+    // S = H P- H' + (X- + R)/n is larger than what it was before the prediction, so that d^2 is less than by that.
+    const VectorXd predicted = before.mean.head(3) + before.mean.segment(3, 3) + 0.5 * before.mean.tail(3);
+    const VectorXd innovation = Tracking::target_points(2, 8).rowwise().mean() - predicted;
+    const MatrixXd noise = (before.extent + MatrixXd::Identity(3, 3)) / 8;
+    const double largest = innovation.dot((block(before.covariance, 0, 0) + noise).inverse() * innovation);
+    CHECK(run.innovations()[0] > 0);
+    if (std::string(update) == "feldmann") CHECK(run.innovations()[0] < largest);
+    run.empty(3);
+    CHECK(run.innovations().size() == 1);
+    run.scan(4);
+    CHECK(run.innovations().size() == 2);
+}
+
+TEST_CASE("extended target: innovations of an honest filter have as much square as components", "[extended_target]") {
+    Tracking run("{update: feldmann, start: consistent}");
+    for (int k = 0; k < 200; ++k) run.scan(k, 16);
+    double sum = 0;
+    for (const double squared : run.innovations()) sum += squared;
+    const double mean = sum / static_cast<double>(run.innovations().size());
+    CHECK(run.innovations().size() == 198);
+    CHECK(mean > 1.5);
+    CHECK(mean < 3.5);  // 3, less what the motion's noise has to spare on a straight line
 }

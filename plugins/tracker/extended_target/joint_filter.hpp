@@ -42,16 +42,20 @@ public:
         caller.require(joint_.predict(extent_.self(), &begin(caller, look), &args), "extent, predict");
     }
 
-    double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+    Update update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
         const PointsView scan(points);
         double log_likelihood = 0;
+        Eigen::VectorXd innovation(dimension());
+        Eigen::MatrixXd covariance(dimension(), dimension());
         auto args = pelorus::arguments<plr_joint_update>();
         args.scan = scan.c();
         args.record = input(records.extent);
         args.out = output(records.extent);
         args.log_likelihood = pelorus::view(&log_likelihood, 1, 1, 1);
+        args.innovation = pelorus::view(innovation);
+        args.innovation_covariance = pelorus::view(covariance);
         caller.require(joint_.update(extent_.self(), &begin(caller, look), &args), "extent, update");
-        return log_likelihood;
+        return {log_likelihood, squared_innovation(innovation, covariance)};
     }
 
     Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const override {

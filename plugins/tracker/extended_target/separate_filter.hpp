@@ -76,7 +76,7 @@ public:
 
     /// The centroid is one measurement of the sensor that saw the points, with J C J' for its noise: J the sensor's Jacobian
     /// there, C the extent's effective noise. A sensor of position takes it as it is.
-    double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+    Update update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
         const Moments predicted = summary(caller, look, records);
         const Eigen::VectorXd centroid = points.centroid();
         const Eigen::MatrixXd noise = effective_noise(caller, look, points, records);
@@ -94,7 +94,7 @@ public:
         args.record = input(records.extent);
         args.out = output(records.extent);
         caller.require(extent_.call(&plr_extent::update, begin(caller, look), args), "extent, update");
-        return log_likelihood;
+        return {log_likelihood, squared_innovation(innovation, covariance)};
     }
 
     Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const override {

@@ -44,11 +44,16 @@ public:
         }
     }
 
-    double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+    /// The innovation is that of the likeliest hypothesis.
+    Update update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const override {
+        const std::size_t likeliest = likeliest_of(records);
         std::vector<double> logs;
+        double squared = 0;
         for (std::size_t h = 0; h < shares_.size(); ++h) {
             Records own = records_of(records, h);
-            logs.push_back(records.kinematics[h] + inner_.update(caller, look, points.with_common(shares_[h]), own));
+            const Update one = inner_.update(caller, look, points.with_common(shares_[h]), own);
+            logs.push_back(records.kinematics[h] + one.log_likelihood);
+            if (h == likeliest) squared = one.squared_innovation;
             put(own, h, records);
         }
         const double total = log_sum(logs);
@@ -57,7 +62,7 @@ public:
         for (double& log : logs) log = std::max(log - total, std::log(least_weight));
         const double kept = log_sum(logs);
         for (std::size_t h = 0; h < shares_.size(); ++h) records.kinematics[h] = logs[h] - kept;
-        return total;
+        return {total, squared};
     }
 
     Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const override {
@@ -83,15 +88,18 @@ public:
     /// Those of the likeliest hypothesis.
     std::vector<double> distances(pelorus::Caller& caller, const Look& look, const Points& points,
                                   const Records& records) const override {
-        const auto logs = records.kinematics.begin();
-        const auto h =
-            static_cast<std::size_t>(std::max_element(logs, logs + static_cast<std::ptrdiff_t>(shares_.size())) - logs);
+        const std::size_t h = likeliest_of(records);
         return inner_.distances(caller, look, points.with_common(shares_[h]), records_of(records, h));
     }
 
 private:
     static constexpr double least_weight = 1e-6;
 
+    std::size_t likeliest_of(const Records& records) const {
+        const auto logs = records.kinematics.begin();
+        return static_cast<std::size_t>(std::max_element(logs, logs + static_cast<std::ptrdiff_t>(shares_.size())) -
+                                        logs);
+    }
     static double weight(const Records& records, std::size_t h) { return std::exp(records.kinematics[h]); }
     static double log_sum(const std::vector<double>& logs) {
         const double largest = *std::max_element(logs.begin(), logs.end());

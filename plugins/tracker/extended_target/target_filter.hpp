@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <pelorus/small_matrix.hpp>
 #include <pelorus/stage.hpp>
 
 #include "points.hpp"
@@ -23,6 +24,22 @@ struct Moments {
     Eigen::VectorXd mean;        ///< c
     Eigen::MatrixXd covariance;  ///< c x c
 };
+
+/// What the centroid of a scan was to a filter.
+struct Update {
+    double log_likelihood = 0;
+    double squared_innovation = 0;  ///< e' S^-1 e, in Cartesian components
+};
+
+/// e' S^-1 e. Throws NumericError where S is not positive definite.
+inline double squared_innovation(const Eigen::VectorXd& innovation, const Eigen::MatrixXd& covariance) {
+    using Square = pelorus::small::Bounded<3, 3>;
+    const Square given = covariance;
+    Square root(given.rows(), given.cols());
+    if (!pelorus::small::cholesky(given, root))
+        throw pelorus::NumericError("the innovation covariance is not positive definite");
+    return pelorus::small::inverse_quadratic(root, pelorus::small::Bounded<3, 1>(innovation));
+}
 
 /// Who is asked for, and when.
 struct Look {
@@ -52,8 +69,7 @@ public:
     virtual Records start_differenced(pelorus::Caller& caller, const Look& look,
                                       const std::vector<const Points*>& scans, const Eigen::VectorXd& mean) const = 0;
     virtual void predict(pelorus::Caller& caller, const Look& look, double dt, Records& records) const = 0;
-    /// Answers ln of the centroid's likelihood.
-    virtual double update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const = 0;
+    virtual Update update(pelorus::Caller& caller, const Look& look, const Points& points, Records& records) const = 0;
     virtual Moments summary(pelorus::Caller& caller, const Look& look, const Records& records) const = 0;
     /// Squared statistical distance of each point.
     virtual std::vector<double> distances(pelorus::Caller& caller, const Look& look, const Points& points,

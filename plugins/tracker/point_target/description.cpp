@@ -89,6 +89,8 @@ void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin)
     plugin.in_port("scans", PLR_MESSAGE_SCAN, "measurements", PLR_PORT_MANY);
     plugin.in_port("inputs", PLR_MESSAGE_VALUES, "values of the models' inputs", PLR_PORT_OPTIONAL | PLR_PORT_MANY);
     plugin.out_port("tracks", PLR_MESSAGE_TRACKS, "estimates after each scan");
+    plugin.out_port("innovations", PLR_MESSAGE_VALUES,
+                    "normalised innovations squared of the tracks told, for tests of consistency");
 }
 
 }  // namespace point_target

@@ -261,3 +261,28 @@ TEST_CASE("tracker.point_target follows a thousand objects among a thousand fals
     CHECK(followed.size() > 980);
     CHECK(pure > 950);
 }
+
+TEST_CASE("tracker.point_target tells the innovation of each update, not of what a track starts with",
+          "[tracker.point_target]") {
+    Rig rig("{maximum_speed: 50 m/s, start_confirm: 2, tentative: show}");
+    const auto innovations = [&] {
+        std::vector<pelorus::Innovation> out;
+        for (const auto& published : rig.bench.published)
+            if (published.port == PointTargetTracker::innovations_out)
+                pelorus::for_each_innovation(*published.message->body.values,
+                                             [&](const pelorus::Innovation& one) { out.push_back(one); });
+        return out;
+    };
+    rig.scan(0, {{0, 0}});
+    CHECK(innovations().empty());
+    rig.scan(1, {{3, 0}, {500, 0}});
+    REQUIRE(innovations().size() == 1);
+    CHECK(innovations()[0].track == 1);
+    CHECK(innovations()[0].time == Rig::ns(1));
+    CHECK(innovations()[0].components == 2);
+    const plr_tracks& tracks = rig.bench.published.at(0).tracks();
+    CHECK(innovations()[0].squared == tracks.measurement_distances[0]);
+    CHECK(innovations()[0].squared > 0);
+    rig.scan(2, {});
+    CHECK(innovations().empty());
+}

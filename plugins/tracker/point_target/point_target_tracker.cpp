@@ -49,7 +49,8 @@ std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) 
     return streams;
 }
 
-std::vector<pelorus::Stream> PointTargetTracker::out_streams(std::uint32_t) const {
+std::vector<pelorus::Stream> PointTargetTracker::out_streams(std::uint32_t port) const {
+    if (port != tracks_out) return {};
     pelorus::Stream stream;
     stream.space = models_.cartesian();
     stream.frame = frame_;
@@ -334,6 +335,7 @@ bool PointTargetTracker::is_published(std::size_t t) const {
 
 void PointTargetTracker::publish_tracks(std::int64_t time) {
     message_->clear();
+    innovations_.clear();
     const auto c = static_cast<std::size_t>(models_.cartesian().size());
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
         const std::size_t t = wanted_[i].track;
@@ -352,11 +354,14 @@ void PointTargetTracker::publish_tracks(std::int64_t time) {
         if (outcome.hit()) {
             entry.measurements = {detections_.ids[outcome.detection]};
             entry.distances = {outcome.distance};
+            // What starts a track was predicted by nothing.
+            if (outcome.prediction != none) innovations_.add(track.id, outcome.distance, detections_.sensor->m);
         }
         message_->add(entry);
         track.told = true;
     }
-    publish(0, message_->message(time));
+    publish(tracks_out, message_->message(time));
+    if (innovations_.count() > 0) publish(innovations_out, innovations_.message(time));
 }
 
 void PointTargetTracker::count(const char* name, std::size_t by) const {

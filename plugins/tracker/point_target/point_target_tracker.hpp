@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include <pelorus/innovations.hpp>
 #include <pelorus/stage.hpp>
 
 #include "gating.hpp"
@@ -28,6 +29,7 @@ class PointTargetTracker : public pelorus::Stage<PointTargetTracker>, public Par
 public:
     static constexpr const char* kind = "tracker";
     enum InPort : std::uint32_t { scans, inputs };
+    enum OutPort : std::uint32_t { tracks_out, innovations_out };
 
     static void describe(pelorus::Describe<PointTargetTracker>& plugin);
     void setup(const pelorus::Setup& setup);
@@ -88,6 +90,7 @@ private:
     Models models_;
     std::string frame_;
     std::optional<pelorus::TracksBuilder> message_;
+    pelorus::InnovationsBuilder innovations_;
     const plr_diagnostics* diagnostics_ = nullptr;
     const plr_log* log_ = nullptr;
 

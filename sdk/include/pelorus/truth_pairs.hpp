@@ -24,14 +24,16 @@ namespace pelorus {
 
 class TruthPairs {
 public:
-    /// An object or an estimate at one time: its position, then its velocity where it has one (m, m/s).
+    /// An object or an estimate at one time: its position, then its velocity and acceleration where it has them (m, m/s, m/s2).
     struct Sample {
         std::uint64_t id = 0;
         std::int32_t axes = 0;
-        std::vector<double> moments;     ///< axes positions, then axes velocities or none
-        std::vector<double> covariance;  ///< of moments, by columns; truth: empty
+        std::vector<double> moments;  ///< axes positions, then axes velocities or none, then axes accelerations or none
+        std::vector<double> covariance;  ///< of positions and velocities, by columns; truth: empty
         std::vector<double> extent;      ///< d x d, m^2, by columns; empty: none
-        bool has_velocity() const noexcept { return moments.size() > static_cast<std::size_t>(axes); }
+        /// How many derivatives the moments tell: 1 (positions) to 3.
+        int derivatives() const noexcept { return axes == 0 ? 0 : static_cast<int>(moments.size()) / axes; }
+        bool has_velocity() const noexcept { return derivatives() > 1; }
         int extent_dimension() const noexcept { return extent.size() == 9 ? 3 : extent.size() == 4 ? 2 : 0; }
         template <class Archive> void state(Archive& archive) { archive(id, axes, moments, covariance, extent); }
     };
@@ -86,9 +88,11 @@ public:
         for (std::int64_t i = 0; i < tracks.count; ++i) {
             if (tracks.status[i] != PLR_TRACK_CONFIRMED && tracks.status[i] != PLR_TRACK_COASTING) continue;
             Sample sample = layout.sample(tracks.ids[i], tracks.mean, tracks.extent, i);
-            for (const int col : layout.components)
-                for (const int row : layout.components)
-                    sample.covariance.push_back(element(tracks.covariance, i, row, col));
+            const std::size_t known = std::min(layout.components.size(), 2 * static_cast<std::size_t>(layout.axes));
+            for (std::size_t col = 0; col < known; ++col)
+                for (std::size_t row = 0; row < known; ++row)
+                    sample.covariance.push_back(
+                        element(tracks.covariance, i, layout.components[row], layout.components[col]));
             put(instants_[tracks.times[i]].estimates, std::move(sample));
             ids_.insert(tracks.ids[i]);
         }
@@ -110,7 +114,7 @@ public:
     template <class Archive> void state(Archive& archive) { archive(axes_, instants_, ids_); }
 
 private:
-    /// Where positions and velocities stand in a space.
+    /// Where positions, velocities and accelerations stand in a space.
     struct Layout {
         std::vector<int> components;
         std::int32_t axes = 0;
@@ -118,7 +122,7 @@ private:
 
         Layout(const plr_space& raw, const char* what_) : what(what_) {
             const Space space(raw);
-            for (const char* derivative : {"position.", "velocity."}) {
+            for (const char* derivative : {"position.", "velocity.", "acceleration."}) {
                 std::vector<int> found;
                 for (const char* axis : {"x", "y", "z"}) {
                     const int index = space.index(std::string(derivative) + axis);
@@ -128,7 +132,7 @@ private:
                     axes = static_cast<std::int32_t>(found.size());
                     if (axes == 0) throw DataError(std::string(what) + " tell no position: " + space.text());
                 } else if (static_cast<std::int32_t>(found.size()) != axes) {
-                    continue;  // no velocity, or not of all axes
+                    break;  // no velocity (acceleration), or not of all axes
                 }
                 components.insert(components.end(), found.begin(), found.end());
             }

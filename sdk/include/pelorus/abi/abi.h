@@ -3,6 +3,7 @@
 #define PELORUS_ABI_ABI_H
 
 #include "call.h"
+#include "consistency.h"
 #include "describe.h"
 #include "diagnostics.h"
 #include "entry.h"
