@@ -13,6 +13,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? nothing : static_cast<double>(part) / static_cast<double>(whole);
 }
 double real(std::uint64_t count) { return static_cast<double>(count); }
+double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 }  // namespace
 
@@ -29,7 +30,7 @@ void IdentityAnalyzer::describe(pelorus::Describe<IdentityAnalyzer>& plugin) {
             "whose "
             "track is another than that of the tracked report before; fragments = tracked reports right after "
             "untracked "
-            "ones, the first excepted")
+            "ones, the first excepted; latency = first tracked report - first report")
         .source(
             "K. Bernardin, R. Stiefelhagen, Evaluating Multiple Object Tracking Performance: The CLEAR MOT Metrics, "
             "EURASIP "
@@ -78,13 +79,17 @@ void IdentityAnalyzer::publish_identities(std::int64_t time) {
     table.column("main_track", "", PLR_REDUCE_FIRST_RUN);
     table.column("main_share", "", PLR_REDUCE_MEAN);
     table.column("main_purity", "", PLR_REDUCE_MEAN);
+    table.column("latency", "s", PLR_REDUCE_MEAN);
+    double latencies = 0;
     std::uint64_t reports = 0, tracked = 0, switches = 0, fragments = 0, followed = 0;
     for (const auto& [id, identity] : tally_.identities()) {
         const auto main = identity.tracks.main();
+        const double latency = identity.first_tracked ? seconds(*identity.first_tracked - identity.first) : nothing;
         table.row({real(id), real(identity.reports), share(identity.tracked, identity.reports),
                    real(identity.tracks.size()), real(identity.switches), real(identity.fragments),
                    main ? real(*main) : nothing, main ? share(identity.tracks.count(*main), identity.reports) : nothing,
-                   main ? purity(tally_.tracks().at(*main)) : nothing});
+                   main ? purity(tally_.tracks().at(*main)) : nothing, latency});
+        if (identity.first_tracked) latencies += latency;
         reports += identity.reports;
         tracked += identity.tracked;
         switches += identity.switches;
@@ -97,6 +102,8 @@ void IdentityAnalyzer::publish_identities(std::int64_t time) {
     table.scalar("tracked_share", "", PLR_REDUCE_MEAN, share(tracked, reports));
     table.scalar("switches", "", PLR_REDUCE_MEAN, real(switches));
     table.scalar("fragments", "", PLR_REDUCE_MEAN, real(fragments));
+    table.scalar("latency", "s", PLR_REDUCE_MEAN, followed == 0 ? nothing : latencies / real(followed), 0,
+                 real(followed));
     publish(0, table.message(time));
 }
 
@@ -107,21 +114,25 @@ void IdentityAnalyzer::publish_tracks(std::int64_t time) {
     table.column("end", "s", PLR_REDUCE_FIRST_RUN);
     for (const char* name : {"measurements", "unknown", "identities", "main_identity", "purity"})
         table.column(name, "", PLR_REDUCE_FIRST_RUN);
-    double sum = 0;
-    std::uint64_t used = 0, right = 0;
+    double sum = 0, false_time = 0;
+    std::uint64_t used = 0, right = 0, false_ones = 0;
     for (const auto& [id, track] : tally_.tracks()) {
         const auto main = track.identities.main();
-        table.row({real(id), static_cast<double>(track.start) * 1e-9, static_cast<double>(track.end) * 1e-9,
-                   real(track.measurements), real(track.unknown), real(track.identities.size()),
-                   main ? real(*main) : nothing, purity(track)});
+        table.row({real(id), seconds(track.start), seconds(track.end), real(track.measurements), real(track.unknown),
+                   real(track.identities.size()), main ? real(*main) : nothing, purity(track)});
         sum += purity(track);
         used += track.measurements;
         right += main ? track.identities.count(*main) : 0;
+        if (main) continue;
+        ++false_ones;
+        false_time += seconds(track.end - track.start);
     }
     const std::size_t tracks = tally_.tracks().size();
     table.scalar("tracks", "", PLR_REDUCE_MEAN, real(tracks));
     table.scalar("mean_purity", "", PLR_REDUCE_MEAN, tracks == 0 ? nothing : sum / real(tracks));
     table.scalar("purity", "", PLR_REDUCE_MEAN, share(right, used));
+    table.scalar("false_tracks", "", PLR_REDUCE_MEAN, real(false_ones));
+    table.scalar("false_track_time", "s", PLR_REDUCE_MEAN, false_time);
     publish(0, table.message(time));
 }
 

@@ -10,6 +10,7 @@ namespace analyzer_identity {
 class IdentityAnalyzer : public pelorus::Stage<IdentityAnalyzer> {
 public:
     static constexpr const char* kind = "analyzer";
+    static constexpr std::uint32_t state_version = 2;
     static void describe(pelorus::Describe<IdentityAnalyzer>& plugin);
 
     void on_truth(const pelorus::Event& event, const plr_truth& message);

@@ -131,6 +131,36 @@ TEST_CASE("analyzer.identity counts false alarms and strangers against a track's
     CHECK(story.scalar("purity") == Approx(6.0 / 9));
 }
 
+TEST_CASE("analyzer.identity tells how long it took until an identity was tracked", "[analyzer.identity]") {
+    Story story;
+    for (std::uint64_t k = 0; k < 5; ++k) {
+        const auto time = static_cast<std::int64_t>(k);
+        story.came(2 + time, 5, {k});
+        if (k >= 3) story.used(2 + time, 1, {k});
+        story.came(2 + time, 6, {10 + k});
+        if (k != 1) story.used(2 + time, 2, {10 + k});
+        story.came(2 + time, 7, {20 + k});
+    }
+    CHECK(story.cell("by_identity", 5, "latency") == 3);
+    CHECK(story.cell("by_identity", 6, "latency") == 0);
+    CHECK(std::isnan(story.cell("by_identity", 7, "latency")));
+    CHECK(story.scalar("latency") == Approx(1.5));
+}
+
+TEST_CASE("analyzer.identity counts tracks of nobody and how long they live", "[analyzer.identity]") {
+    Story story;
+    story.came(0, 5, {1});
+    story.used(0, 1, {1});
+    story.used(7, 1, {100});  // strays, but was once somebody's
+    story.used(2, 2, {200});
+    story.used(5, 2, {201});
+    story.used(6, 3, {300});
+    story.used(8, 3, {}, PLR_TRACK_COASTING);
+    CHECK(story.scalar("tracks") == 3);
+    CHECK(story.scalar("false_tracks") == 2);
+    CHECK(story.scalar("false_track_time") == Approx(3 + 2));
+}
+
 TEST_CASE("analyzer.identity leaves tentative and deleted entries out", "[analyzer.identity]") {
     Story story;
     story.came(0, 5, {1, 2});

@@ -60,17 +60,18 @@ void Tally::judge_all() {
 }
 
 void Tally::judge_first() {
-    const auto found = open_.find(queue_.front().second);
+    const auto [time, measurement] = queue_.front();
+    const auto found = open_.find(measurement);
     queue_.pop_front();
     const Report report = found->second;
     open_.erase(found);
     Followed& identity = identities_[report.identity];
-    ++identity.reports;
+    if (identity.reports++ == 0) identity.first = time;
     if (!report.track) {
         identity.broken_off = identity.last_track.has_value();
         return;
     }
-    ++identity.tracked;
+    if (identity.tracked++ == 0) identity.first_tracked = time;
     identity.tracks.add(*report.track);
     if (identity.last_track && identity.last_track != report.track) ++identity.switches;
     if (identity.broken_off) ++identity.fragments;

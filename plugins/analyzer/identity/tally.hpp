@@ -33,10 +33,12 @@ struct Followed {
     std::uint64_t switches = 0;   ///< tracked reports whose track is not that of the tracked report before
     std::uint64_t fragments = 0;  ///< times that tracking went on after it had broken off
     Shares tracks;                ///< which used its reports
+    std::int64_t first = 0;       ///< ns, its first report
+    std::optional<std::int64_t> first_tracked;  ///< ns, the first that was tracked
     std::optional<std::uint64_t> last_track;
     bool broken_off = false;
     template <class Archive> void state(Archive& archive) {
-        archive(reports, tracked, switches, fragments, tracks, last_track, broken_off);
+        archive(reports, tracked, switches, fragments, tracks, first, first_tracked, last_track, broken_off);
     }
 };
 
