@@ -81,6 +81,7 @@ void add_timings(NodeTimings& to, const NodeTimings& from) {
         }
         same->calls += node.calls;
         same->seconds += node.seconds;
+        same->longest_seconds = std::max(same->longest_seconds, node.longest_seconds);
     }
 }
 

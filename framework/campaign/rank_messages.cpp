@@ -35,6 +35,7 @@ void write_computed(ByteWriter& writer, const Computed& computed) {
         writer.text(timing.node);
         writer.number(timing.calls);
         writer.number(timing.seconds);
+        writer.number(timing.longest_seconds);
     }
 }
 
@@ -47,11 +48,12 @@ Computed read_computed(ByteReader& reader) {
         computed.failure = Failure{computed.unit.cell, reader.number<std::uint64_t>(), {}};
         computed.failure->message = reader.text();
     }
-    computed.timings.resize(reader.count(24));
+    computed.timings.resize(reader.count(32));
     for (runtime::NodeTiming& timing : computed.timings) {
         timing.node = reader.text();
         timing.calls = reader.number<std::uint64_t>();
         timing.seconds = reader.number<double>();
+        timing.longest_seconds = reader.number<double>();
     }
     return computed;
 }

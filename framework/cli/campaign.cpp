@@ -17,6 +17,7 @@
 #include "report/json_file.hpp"
 #include "report/result_folder.hpp"
 #include "report/terminal_table.hpp"
+#include "report/timing.hpp"
 
 namespace pelorus::cli {
 
@@ -56,8 +57,7 @@ Json timing_json(const campaign::EngineResult& result, double seconds, unsigned 
               {"ranks", ranks},
               {"runs", result.advance.runs_done - result.advance.runs_kept},
               {"nodes", Json::object()}};
-    for (const runtime::NodeTiming& node : result.timings)
-        json["nodes"][node.node] = {{"calls", node.calls}, {"seconds", node.seconds}};
+    for (const runtime::NodeTiming& node : result.timings) json["nodes"][node.node] = report::node_timing(node);
     return json;
 }
 

@@ -13,12 +13,19 @@ Timings timings_of(const graph::Graph& graph, const runtime::Runtime& runtime, d
     return timings;
 }
 
+nlohmann::ordered_json node_timing(const runtime::NodeTiming& timing) {
+    return {{"calls", timing.calls},
+            {"seconds", timing.seconds},
+            {"mean_seconds", timing.mean_seconds()},
+            {"max_seconds", timing.longest_seconds}};
+}
+
 nlohmann::ordered_json timing(const Timings& timings) {
     using Json = nlohmann::ordered_json;
     Json document{{"total_seconds", timings.total_seconds}, {"nodes", Json::object()}};
     for (const NodeReport& node : timings.nodes) {
         Json& json = document["nodes"][node.timing.node];
-        json = {{"calls", node.timing.calls}, {"seconds", node.timing.seconds}};
+        json = node_timing(node.timing);
         json["counters"] = Json::object();
         json["gauges"] = Json::object();
         for (const auto& [name, value] : node.counters) json["counters"][name] = value;

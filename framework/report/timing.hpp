@@ -28,6 +28,9 @@ struct Timings {
 /// Of a run that took so long.
 Timings timings_of(const graph::Graph& graph, const runtime::Runtime& runtime, double total_seconds);
 
+/// `calls`, and the wall time in all of them, on average and in the longest one: `seconds`, `mean_seconds`, `max_seconds`.
+nlohmann::ordered_json node_timing(const runtime::NodeTiming& timing);
+
 nlohmann::ordered_json timing(const Timings& timings);
 
 }  // namespace pelorus::report

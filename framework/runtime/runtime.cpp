@@ -303,7 +303,7 @@ const Results& Runtime::results() const noexcept { return implementation_->resul
 std::vector<NodeTiming> Runtime::timing() const {
     std::vector<NodeTiming> timing;
     for (const auto& runner : implementation_->runners)
-        timing.push_back({runner->node().name, runner->calls(), runner->seconds()});
+        timing.push_back({runner->node().name, runner->calls(), runner->seconds(), runner->longest_seconds()});
     return timing;
 }
 

@@ -38,10 +38,13 @@
 
 namespace pelorus::runtime {
 
+/// Wall time that a node has taken.
 struct NodeTiming {
     std::string node;
     std::uint64_t calls = 0;
-    double seconds = 0;
+    double seconds = 0;          ///< in all calls
+    double longest_seconds = 0;  ///< in the longest of them
+    double mean_seconds() const noexcept { return calls > 0 ? seconds / static_cast<double>(calls) : 0; }
 };
 
 struct RunOptions {

@@ -1,5 +1,6 @@
 #include "runtime/stage_runner.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 #include <utility>
@@ -76,7 +77,9 @@ plr_status StageRunner::guarded(const char* name, std::int64_t time, bool publis
     const host::Breadcrumb crumb({node_.name.c_str(), node_.plugin.c_str(), name, port, time, true});
     const auto start = std::chrono::steady_clock::now();
     plr_status status = host::guarded(error_, [&] { return function(call); });
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds_ += taken;
+    longest_seconds_ = std::max(longest_seconds_, taken);
     ++calls_;
     publishing_ = false;
     if (status == PLR_OK && !refused_publication_.empty()) {

@@ -70,6 +70,7 @@ public:
 
     std::uint64_t calls() const noexcept { return calls_; }
     double seconds() const noexcept { return seconds_; }
+    double longest_seconds() const noexcept { return longest_seconds_; }
 
 private:
     plr_status publish(std::uint32_t port, const plr_message& message, plr_error* error) override;
@@ -96,7 +97,7 @@ private:
     std::string fault_;                // what the guard has found in the node's models during it, or ""
     std::uint64_t refused_ = 0;
     std::uint64_t calls_ = 0;
-    double seconds_ = 0;
+    double seconds_ = 0, longest_seconds_ = 0;
 };
 
 }  // namespace pelorus::runtime

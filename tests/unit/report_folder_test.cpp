@@ -109,12 +109,12 @@ TEST_CASE("when the disk is full the file stays as it was", "[report]") {
 TEST_CASE("timing.json tells time and counts of every node", "[report]") {
     report::Timings timings;
     timings.total_seconds = 1.5;
-    timings.nodes = {{{"world", 10, 0.25}, {}, {}},
-                     {{"tracker", 20, 1.25}, {{"refused", 2}, {"zero", 0}}, {{"load", {"1", 0.5}}}}};
+    timings.nodes = {{{"world", 10, 0.25, 0.125}, {}, {}},
+                     {{"tracker", 20, 1.25, 0.5}, {{"refused", 2}, {"zero", 0}}, {{"load", {"1", 0.5}}}}};
     CHECK(
         report::timing(timings).dump() ==
-        R"({"total_seconds":1.5,"nodes":{"world":{"calls":10,"seconds":0.25,"counters":{},"gauges":{}},)"
-        R"("tracker":{"calls":20,"seconds":1.25,"counters":{"refused":2,"zero":0},"gauges":{"load":{"value":0.5,"unit":"1"}}}}})");
+        R"({"total_seconds":1.5,"nodes":{"world":{"calls":10,"seconds":0.25,"mean_seconds":0.025,"max_seconds":0.125,"counters":{},"gauges":{}},)"
+        R"("tracker":{"calls":20,"seconds":1.25,"mean_seconds":0.0625,"max_seconds":0.5,"counters":{"refused":2,"zero":0},"gauges":{"load":{"value":0.5,"unit":"1"}}}}})");
     CHECK(report::counter_lines(timings) == "tracker counted: refused 2\n");
 }
 
