@@ -12,6 +12,7 @@
 #include "campaign/summary_of_cells.hpp"
 #include "cli/campaign_progress.hpp"
 #include "cli/crash.hpp"
+#include "cli/expected.hpp"
 #include "cli/output.hpp"
 #include "report/campaign_table.hpp"
 #include "report/json_file.hpp"
@@ -204,21 +205,24 @@ private:
         std::string files;
         try {
             report::write_result_folder(
-                request_.out, {summary, report::provenance(*prepared_.first, run_context(result.completed)), timing});
+                request_.out, {summary, report::provenance(*prepared_.first, run_context(result.completed)), timing,
+                               request_.expected ? request_.expected->text : ""});
             files = report::file_line(request_.out);
         } catch (const Error& problem) {  // the figures are printed all the same
             tell(std::string(problem.what()) + "; the figures are printed, but not all of them are kept");
             exit = Exit::run_failed;
         }
+        Json json{{"config", line_.argument(0)},
+                  {"completed", result.completed},
+                  {"folder", request_.out.string()},
+                  {"files", report::file_names(request_.out)},
+                  {"summary", summary}};
+        const std::string beside = tell_beside_expected(request_.expected, summary, &json);
         if (line_.has("json"))
-            print_json({{"config", line_.argument(0)},
-                        {"completed", result.completed},
-                        {"folder", request_.out.string()},
-                        {"files", report::file_names(request_.out)},
-                        {"summary", summary}});
+            print_json(json);
         else
             print((prepared_.first->title().empty() ? "" : prepared_.first->title() + "\n") +
-                  report::campaign_table(summary) + files);
+                  report::campaign_table(summary) + beside + files);
         return static_cast<int>(exit);
     }
 

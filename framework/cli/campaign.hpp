@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "campaign/prepare.hpp"
 #include "cli/command_line.hpp"
 #include "cli/interrupt.hpp"
 #include "host/catalog.hpp"
 #include "host/guard/mode.hpp"
+#include "report/expected.hpp"
 
 namespace pelorus::cli {
 
@@ -17,6 +19,7 @@ struct CampaignRequest {
     unsigned threads = 0;
     host::GuardMode guard = host::GuardMode::start;
     std::size_t part = 1, parts = 1;  ///< --cells PART/PARTS
+    std::optional<report::Expected> expected;  ///< figures that are known of the config
 };
 
 /// The cells of a part: every PARTS-th.

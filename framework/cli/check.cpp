@@ -9,6 +9,7 @@
 #include "graph/graph.hpp"
 #include "host/description.hpp"
 #include "host/error.hpp"
+#include "report/expected.hpp"
 
 namespace pelorus::cli {
 
@@ -35,6 +36,7 @@ std::string edge_text(const graph::Graph& graph, const graph::Edge& edge) {
 int check(const CommandLine& line) {
     host::Catalog catalog(plugin_folders(line));
     const graph::Document document = load_document(line);
+    report::read_expected(report::expected_file_of(line.argument(0)));  // throws if its form is wrong
     const campaign::Prepared prepared =
         campaign::prepare(document, read_selection(line),
                           [&catalog](const std::string& id) -> const host::LoadedPlugin& { return catalog.load(id); });

@@ -9,6 +9,7 @@
 #include "campaign/store.hpp"
 #include "campaign/summary_of_cells.hpp"
 #include "cli/command.hpp"
+#include "cli/expected.hpp"
 #include "cli/output.hpp"
 #include "report/campaign_table.hpp"
 #include "report/json_file.hpp"
@@ -134,10 +135,13 @@ int merge(const CommandLine& line) {
     const Json summary = campaign::summary_of_cells(store, cells, identity.at("reference").get<std::string>());
     report::write_result_folder(out, {summary, provenance, timing});
     const std::string title = provenance.value("title", std::string());
+    Json json{{"folder", out.string()}, {"files", report::file_names(out)}, {"summary", summary}};
+    const std::string beside =
+        tell_beside_expected(report::read_expected(out / report::expected_file_name), summary, &json);
     if (line.has("json"))
-        print_json({{"folder", out.string()}, {"files", report::file_names(out)}, {"summary", summary}});
+        print_json(json);
     else
-        print((title.empty() ? "" : title + "\n") + report::campaign_table(summary) + report::file_line(out));
+        print((title.empty() ? "" : title + "\n") + report::campaign_table(summary) + beside + report::file_line(out));
     return static_cast<int>(Exit::done);
 }
 

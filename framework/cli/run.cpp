@@ -18,6 +18,7 @@
 #include "cli/command.hpp"
 #include "cli/config_flags.hpp"
 #include "cli/crash.hpp"
+#include "cli/expected.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/output.hpp"
 #include "cli/progress.hpp"
@@ -205,7 +206,7 @@ OneRun chosen_run(const graph::Document& document, const campaign::Selection& se
 }
 
 int run_once(const CommandLine& line, const Request& request, OneRun one, const graph::PluginFinder& finder,
-             Interrupt& interrupt) {
+             const std::optional<report::Expected>& expected, Interrupt& interrupt) {
     if (campaign::launched_rank() != 0) return static_cast<int>(Exit::done);  // one run is the business of one process
     graph::BuildOptions build;
     build.threads = request.threads.value_or(1);
@@ -234,22 +235,26 @@ int run_once(const CommandLine& line, const Request& request, OneRun one, const 
     Exit exit = tell_ending(ending, request, interrupt);
     std::string files;
     try {
-        report::write_result_folder(request.out, graph, cell, timings, context);
+        report::write_result_folder(request.out, graph, cell, timings, context, expected ? expected->text : "");
         files = report::file_line(request.out);
     } catch (const Error& problem) {  // the figures are printed all the same
         tell(std::string(problem.what()) + "; the figures are printed, but not all of them are kept");
         exit = Exit::run_failed;
     }
     tell_raw(report::counter_lines(timings));
+    nlohmann::ordered_json json = result_json(line, request, ending, cell);
+    const std::string beside = tell_beside_expected(expected, json["summary"], &json);
     if (line.has("json"))
-        print_json(result_json(line, request, ending, cell));
+        print_json(json);
     else
-        print((graph.title().empty() ? "" : graph.title() + "\n") + report::terminal_table({cell}) + files);
+        print((graph.title().empty() ? "" : graph.title() + "\n") + report::terminal_table({cell}) + beside + files);
     return static_cast<int>(exit);
 }
 
-CampaignRequest campaign_request(const CommandLine& line, const Request& request) {
+CampaignRequest campaign_request(const CommandLine& line, const Request& request,
+                                 std::optional<report::Expected> expected) {
     CampaignRequest made;
+    made.expected = std::move(expected);
     made.out = request.out;
     made.resume = request.resume.has_value();
     made.threads = request.threads.value_or(0);
@@ -274,16 +279,17 @@ int run_here(const CommandLine& line) {
     const graph::PluginFinder finder = [&catalog](const std::string& id) -> const host::LoadedPlugin& {
         return catalog.load(id);
     };
-    if (request.run) return run_once(line, request, chosen_run(document, selection, request), finder, interrupt);
+    std::optional<report::Expected> expected = read_expected_of_config(line);
+    if (request.run) return run_once(line, request, chosen_run(document, selection, request), finder, {}, interrupt);
     graph::Problems problems;
     const campaign::Plan plan = campaign::plan_cells(document, selection, problems);
     const bool is_campaign = !problems.empty() || !plan.is_single_run() || line.has("cells");
     if (!is_campaign) {
         const campaign::Cell& cell = plan.cells.front();
-        return run_once(line, request, {campaign::document_of(document, cell), cell}, finder, interrupt);
+        return run_once(line, request, {campaign::document_of(document, cell), cell}, finder, expected, interrupt);
     }
     campaign::Prepared prepared = campaign::prepare(document, selection, finder);
-    return run_campaign(line, campaign_request(line, request), document, finder, prepared, interrupt);
+    return run_campaign(line, campaign_request(line, request, std::move(expected)), document, finder, prepared, interrupt);
 }
 
 int run(const CommandLine& line) {

@@ -6,16 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "report/text_width.hpp"
+#include "report/text_table.hpp"
 
 namespace pelorus::report {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Words = std::vector<std::string>;
-
-constexpr std::size_t widest = 118;  // characters of a line
 
 std::string value_text(const Json& value) {
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
@@ -28,10 +25,6 @@ std::string scalar_text(const Json* scalar, bool with_interval) {
     if (with_interval && scalar->at("ci95").is_number())
         text += fmt::format(" +- {:.2g}", scalar->at("ci95").get<double>());
     return text;
-}
-
-void add_once(Words& words, const std::string& word) {
-    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
 }
 
 /// Cells by variant and grid point, in the order in which they come.
@@ -88,51 +81,23 @@ std::vector<Words> rows_of(const Grid& grid, const std::string& name, const Word
     return rows;
 }
 
-std::string aligned(const std::vector<Words>& rows) {
-    std::vector<std::size_t> widths;
-    for (const Words& row : rows) {
-        widths.resize(std::max(widths.size(), row.size()), 0);
-        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], text_width(row[i]));
-    }
-    std::string text;
-    for (const Words& row : rows) {
-        std::string line = "  " + row[0] + std::string(widths[0] - text_width(row[0]), ' ');
-        for (std::size_t i = 1; i < row.size(); ++i)
-            line += "  " + std::string(widths[i] - text_width(row[i]), ' ') + row[i];
-        line.erase(line.find_last_not_of(' ') + 1);
-        text += line + '\n';
-    }
-    return text;
-}
-
-std::size_t width_of(const std::vector<Words>& rows) {
-    const std::string text = aligned(rows);
-    std::size_t width = 0;
-    for (std::size_t from = 0; from < text.size();) {
-        const std::size_t to = text.find('\n', from);
-        width = std::max(width, text_width(text.substr(from, to - from)));
-        from = to + 1;
-    }
-    return width;
-}
-
 /// As many points beside each other as a line takes, then the next.
 std::string scalar_table(const Grid& grid, const std::string& name) {
     const std::string& unit = grid.units.at(name);
     std::string text = name + (unit.empty() ? "" : " [" + unit + "]") + '\n';
     std::size_t from = 0;
     while (from < grid.points.size()) {
-        std::vector<Words> rows;
+        Words lines;
         std::size_t to = from;
         for (std::size_t more = from + 1; more <= grid.points.size(); ++more) {
             const Words points(grid.points.begin() + static_cast<std::ptrdiff_t>(from),
                                grid.points.begin() + static_cast<std::ptrdiff_t>(more));
-            std::vector<Words> wider = rows_of(grid, name, points, grid.points.size() <= 3);
-            if (to > from && width_of(wider) > widest) break;
-            rows = std::move(wider);
+            Words wider = aligned_lines(rows_of(grid, name, points, grid.points.size() <= 3));
+            if (to > from && width_of(wider) > widest_line) break;
+            lines = std::move(wider);
             to = more;
         }
-        text += aligned(rows);
+        text += joined(lines);
         from = to;
     }
     return text;

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "host/error.hpp"
+#include "report/expected.hpp"
 #include "report/json_file.hpp"
 
 namespace pelorus::report {
@@ -64,7 +65,7 @@ void prepare_folder(const std::filesystem::path& folder) {
 }
 
 void remove_results(const std::filesystem::path& folder) {
-    for (const char* name : {"summary.json", "provenance.json", "timing.json"}) {
+    for (const char* name : {"summary.json", "provenance.json", "timing.json", expected_file_name}) {
         std::error_code reason;
         std::filesystem::remove(folder / name, reason);
         if (reason)
@@ -75,6 +76,7 @@ void remove_results(const std::filesystem::path& folder) {
 void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents) {
     prepare_folder(folder);
     Writer writer(folder);
+    if (!contents.expected.empty()) writer.write(expected_file_name, contents.expected);
     writer.write("timing.json", json_text(contents.timing));
     writer.write("provenance.json", json_text(contents.provenance));
     writer.write("summary.json", json_text(contents.summary));  // last: where it is, the others are
@@ -82,8 +84,8 @@ void write_result_folder(const std::filesystem::path& folder, const ResultFolder
 }
 
 void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph, const Cell& cell,
-                         const Timings& timings, const RunContext& context) {
-    write_result_folder(folder, {summary({cell}), provenance(graph, context), timing(timings)});
+                         const Timings& timings, const RunContext& context, const std::string& expected) {
+    write_result_folder(folder, {summary({cell}), provenance(graph, context), timing(timings), expected});
 }
 
 }  // namespace pelorus::report

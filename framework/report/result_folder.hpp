@@ -15,20 +15,21 @@ namespace pelorus::report {
 
 struct ResultFolder {
     nlohmann::ordered_json summary, provenance, timing;
+    std::string expected = {};  ///< text of expected.yaml; "": there is none
 };
 
 /// Makes the folder (and those above it) if it is not there, and makes sure that files can be written in it: so before
 /// a run, not after an hour. Throws Error (Exit::run_failed) with the path and the reason.
 void prepare_folder(const std::filesystem::path& folder);
 
-/// Takes away the JSON files of an earlier run: they must not be taken for this one's if it comes to a bad end. Throws Error.
+/// Takes away the JSON files of an earlier run, and its expected.yaml: they must not be taken for this one's if it comes to a bad end. Throws Error.
 void remove_results(const std::filesystem::path& folder);
 
-/// Writes summary.json, provenance.json and timing.json, each whole or not at all, over what is there. Throws Error.
+/// Writes summary.json, provenance.json, timing.json and expected.yaml, each whole or not at all, over what is there. Throws Error.
 void write_result_folder(const std::filesystem::path& folder, const ResultFolder& contents);
 
 /// The same for one run of a graph.
 void write_result_folder(const std::filesystem::path& folder, const graph::Graph& graph, const Cell& cell,
-                         const Timings& timings, const RunContext& context);
+                         const Timings& timings, const RunContext& context, const std::string& expected = {});
 
 }  // namespace pelorus::report
