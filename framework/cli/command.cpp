@@ -19,9 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Commands that the design names and this version does not have.
-const std::vector<std::string> later_commands = {"report", "compare"};
-
 const Command* find_command(const std::string& name) {
     const auto found =
         std::find_if(commands().begin(), commands().end(), [&](const Command& c) { return c.name == name; });
@@ -30,8 +27,6 @@ const Command* find_command(const std::string& name) {
 
 const Command& require_command(const std::string& name) {
     if (const Command* command = find_command(name)) return *command;
-    if (std::find(later_commands.begin(), later_commands.end(), name) != later_commands.end())
-        throw Error(Exit::misuse, name + ": not in this version");
     std::vector<std::string> names{"help"};
     for (const Command& command : commands()) names.push_back(command.name);
     const std::string near = nearest(name, names);
@@ -111,9 +106,9 @@ int dispatch(const std::vector<std::string>& words) {
 }  // namespace
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> all = {run_command(),     merge_command(),   check_command(),
-                                             list_command(),    inspect_command(), new_command(),
-                                             conform_command(), schema_command(),  completion_command()};
+    static const std::vector<Command> all = {
+        run_command(),     merge_command(), report_command(),  compare_command(), check_command(),     list_command(),
+        inspect_command(), new_command(),   conform_command(), schema_command(),  completion_command()};
     return all;
 }
 

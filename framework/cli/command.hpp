@@ -20,6 +20,8 @@ struct Command {
 
 Command run_command();
 Command merge_command();
+Command report_command();
+Command compare_command();
 Command check_command();
 Command list_command();
 Command inspect_command();

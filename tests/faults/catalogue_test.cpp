@@ -51,8 +51,9 @@ TEST_CASE("faults of recordings") { try_group("7-recordings.yaml"); }
 TEST_CASE("faults of a run and its results") { try_group("8-runs.yaml"); }
 TEST_CASE("faults of snapshots") { try_group("9-snapshots.yaml"); }
 TEST_CASE("faults of campaigns") { try_group("91-campaigns.yaml"); }
+TEST_CASE("faults of reports") { try_group("92-reports.yaml"); }
 
-TEST_CASE("every file of the catalogue of faults is tried") { CHECK(all_groups().size() == 10); }
+TEST_CASE("every file of the catalogue of faults is tried") { CHECK(all_groups().size() == 11); }
 
 TEST_CASE("faults have a title of their own, a command and a cure") {
     std::set<std::string> titles;

@@ -66,9 +66,10 @@ TEST_CASE("unknown commands and flags are refused with the nearest right one") {
     check_refused({"help", "inspekt"}, "did you mean 'inspect'?");
 }
 
-TEST_CASE("what later versions bring is refused by name") {
-    for (const std::string command : {"report", "compare"})
-        check_refused({command, "x"}, command + ": not in this version");
+TEST_CASE("reports and comparisons are of folders that are named, in formats that there are") {
+    check_refused({"report"}, "DIR is missing; usage: pelorus report DIR");
+    check_refused({"report", "x", "--plot", "pdf"}, "--plot: expected png or svg, got 'pdf'");
+    check_refused({"compare", "x"}, "B is missing; usage: pelorus compare A B");
 }
 
 TEST_CASE("flags of campaigns that do not go together or mean nothing are refused") {

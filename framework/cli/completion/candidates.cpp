@@ -65,11 +65,12 @@ Words ids(const UnfinishedLine& line) {
 /// What stands for an argument or a flag's value, by the word that help has for it.
 Words for_placeholder(const std::string& placeholder, const UnfinishedLine& line) {
     if (placeholder == "CONFIG") return {":files .yaml"};
-    if (placeholder == "DIR") return {":folders"};
+    if (placeholder == "DIR" || placeholder == "A" || placeholder == "B") return {":folders"};
     if (placeholder == "FILE") return {":files"};
     if (placeholder == "KIND") return kinds();
     if (placeholder == "LEVEL") return {"trace", "debug", "info", "warning", "error"};
     if (placeholder == "MODE") return {"off", "start", "all"};
+    if (placeholder == "FORMAT") return {"png", "svg"};
     if (placeholder == "1..5") return {"1", "2", "3", "4", "5"};
     if (placeholder == "LIB.so") return {":files .so"};
     if (placeholder == "SHELL") return {"bash"};
