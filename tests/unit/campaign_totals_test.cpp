@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// A run's results: a table of errors by time with one column of each reduction, and scalars.
 runtime::Results results_of(std::uint64_t run) {
@@ -38,14 +38,14 @@ runtime::Results results_of(std::uint64_t run) {
                      {"first", "", PLR_REDUCE_FIRST_RUN, 0, {}}};
     for (const double time : {0.0, 1.0, 2.0}) {
         const double x = std::sin(r * 12.9898 + time * 78.233) + 0.3 * time;
-        const double y = run % 5 == 3 && time > 1 ? nan : x;
+        const double y = run % 5 == 3 && time > 1 ? not_a_number : x;
         for (const double element : {time, y, y, y, y, y, y, y, x}) table.rows.push_back(element);
     }
     const double x = std::cos(r * 4.1414);
     table.scalars = {{"rmse", "m", 0, 0, 0, "rms", 1},
                      {"bias", "m", 0, 0, 0, "mean", 1},
                      {"worst", "m", 0, 0, 0, "greatest", 1},
-                     {"score", "", PLR_REDUCE_MEAN, run == 2 ? nan : x, 0, "", 1},
+                     {"score", "", PLR_REDUCE_MEAN, run == 2 ? not_a_number : x, 0, "", 1},
                      {"power", "", PLR_REDUCE_ROOT_MEAN_SQUARE, x, 0, "", 1},
                      {"middle", "", PLR_REDUCE_QUANTILE, x, 0.5, "", 1},
                      {"weighted", "", PLR_REDUCE_MEAN, x, 0, "", r + 1}};
@@ -167,7 +167,7 @@ TEST_CASE("Degrees of freedom of all runs make a bound of chi-square", "[campaig
         table.columns = {{"time", "s", PLR_REDUCE_KEY, 0, {}},
                          {"lower", "", PLR_REDUCE_CHI_SQUARE, 0.025, {}},
                          {"upper", "", PLR_REDUCE_CHI_SQUARE, 0.975, {}}};
-        const double degrees = run == 3 ? nan : 6;
+        const double degrees = run == 3 ? not_a_number : 6;
         table.rows = {0, degrees, degrees};
         table.scalars = {{"bound", "", PLR_REDUCE_CHI_SQUARE, degrees, 0.975, "", 1}};
         runtime::Results results;

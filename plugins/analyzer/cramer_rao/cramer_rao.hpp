@@ -60,7 +60,12 @@ public:
         frame_ = setup.frame();
     }
     std::vector<pelorus::Stream> in_streams(std::uint32_t port) const {
-        if (port != 0) return pelorus::TruthPairs::streams(frame_);
+        if (port != 0) {
+            // What else the motion has is at its prior mean where the truth does not tell it.
+            std::vector<pelorus::Stream> truth = pelorus::TruthPairs::streams(frame_);
+            truth.front().space = pelorus::position_space(models_.axes());
+            return truth;
+        }
         std::vector<pelorus::Stream> streams;
         for (const Models::SensorModel& sensor : models_.sensors()) {
             const std::string name = sensor.part.name();

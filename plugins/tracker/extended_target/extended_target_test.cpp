@@ -2,9 +2,8 @@
 #include <cmath>
 
 #include <Eigen/Dense>
-#include <pelorus/sensor.hpp>
 
-#include "../../../tests/support/airship_parts.hpp"
+#include "tracking_rig.hpp"
 
 namespace {
 
@@ -12,72 +11,8 @@ using namespace test_support;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-struct Entry {
-    std::uint64_t id;
-    std::int64_t time;
-    std::int32_t status, misses;
-    VectorXd mean;
-    MatrixXd covariance, extent;
-    std::vector<std::uint64_t> measurements;
-};
-
-/// A tracker with everything in its slots, and a target that flies past.
-struct Tracking {
-    Bench bench;
-    StageUnderTest tracker;
-
-    explicit Tracking(const std::string& extent = "{}", const std::string& with = "{}",
-                      const std::string& sensor = "position", const std::string& sensor_with = "{noise: 1 m}")
-        : tracker(bench, plugin("tracker", "extended_target"), with,
-                  airship_tracker_parts(bench, extent, sensor, sensor_with)) {}
-
-    void scan(int k, int points = 8) { scan_at(k, target_points(k, points)); }
-    void scan_at(int k, const MatrixXd& points, const MatrixXd& noise = MatrixXd::Identity(3, 3)) {
-        auto message = radar_scan(points, noise, static_cast<std::uint64_t>(100 * k + 1));
-        tracker.receive(0, message.message(k * second));
-    }
-    void empty(int k) { scan_at(k, MatrixXd(3, 0)); }
-
-    static MatrixXd target_points(int k, int points) {
-        MatrixXd unit(3, points);
-        pelorus::host::random_service().normal({{77, static_cast<std::uint64_t>(k)}}, 0, unit.size(), unit.data());
-        return (Vector3d(12, 5, 5).asDiagonal() * unit).colwise() + centre(k);
-    }
-    static Vector3d centre(int k) { return {20.0 * k, 100, 300 - 2.0 * k}; }
-
-    std::vector<Entry> told() const {
-        std::vector<Entry> out;
-        for (const auto& p : bench.published) {
-            if (p.port != 0) continue;
-            for (std::int64_t i = 0; i < p.tracks().count; ++i) {
-                const plr_tracks& t = p.tracks();
-                out.push_back(
-                    {t.ids[i],
-                     t.times[i],
-                     t.status[i],
-                     t.misses[i],
-                     pelorus::item(t.mean, i),
-                     pelorus::item(t.covariance, i),
-                     pelorus::item(t.extent, i),
-                     {t.measurements + t.measurement_offsets[i], t.measurements + t.measurement_offsets[i + 1]}});
-            }
-        }
-        return out;
-    }
-    /// d^2 of the centroids, in the order of the scans.
-    std::vector<double> innovations() const {
-        std::vector<double> out;
-        for (const auto& p : bench.published)
-            if (p.port == 1)
-                pelorus::for_each_innovation(*p.message->body.values, [&](const pelorus::Innovation& innovation) {
-                    CHECK(innovation.components == 3);
-                    CHECK(innovation.time == p.message->time);
-                    out.push_back(innovation.squared);
-                });
-        return out;
-    }
-};
+using extended_target::Entry;
+using extended_target::Tracking;
 
 MatrixXd block(const MatrixXd& covariance, int row, int col) { return covariance.block(3 * row, 3 * col, 3, 3); }
 
@@ -390,37 +325,4 @@ TEST_CASE("extended target: a tracker that weighs shared errors is saved whole, 
     CHECK_THROWS_WITH(Tracking("{update: koch}", with),
                       "shared_error: needs an estimator beside the extent; here the extent (extent.random_matrix) owns "
                       "the kinematics");
-}
-
-TEST_CASE("extended target: the centroid's innovation is told from the first prediction on", "[extended_target]") {
-    const auto update = GENERATE("feldmann", "koch");
-    Tracking run(std::string("{update: ") + update + ", start: consistent}");
-    run.scan(0);
-    run.scan(1);
-    CHECK(run.innovations().empty());  // these two make the start
-    const auto before = run.told().back();
-    run.scan(2);
-    REQUIRE(run.innovations().size() == 1);
-    // S = H P- H' + (X- + R)/n is larger than what it was before the prediction, so that d^2 is less than by that.
-    const VectorXd predicted = before.mean.head(3) + before.mean.segment(3, 3) + 0.5 * before.mean.tail(3);
-    const VectorXd innovation = Tracking::target_points(2, 8).rowwise().mean() - predicted;
-    const MatrixXd noise = (before.extent + MatrixXd::Identity(3, 3)) / 8;
-    const double largest = innovation.dot((block(before.covariance, 0, 0) + noise).inverse() * innovation);
-    CHECK(run.innovations()[0] > 0);
-    if (std::string(update) == "feldmann") CHECK(run.innovations()[0] < largest);
-    run.empty(3);
-    CHECK(run.innovations().size() == 1);
-    run.scan(4);
-    CHECK(run.innovations().size() == 2);
-}
-
-TEST_CASE("extended target: innovations of an honest filter have as much square as components", "[extended_target]") {
-    Tracking run("{update: feldmann, start: consistent}");
-    for (int k = 0; k < 200; ++k) run.scan(k, 16);
-    double sum = 0;
-    for (const double squared : run.innovations()) sum += squared;
-    const double mean = sum / static_cast<double>(run.innovations().size());
-    CHECK(run.innovations().size() == 198);
-    CHECK(mean > 1.5);
-    CHECK(mean < 3.5);  // 3, less what the motion's noise has to spare on a straight line
 }
