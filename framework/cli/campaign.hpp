@@ -18,7 +18,7 @@ struct CampaignRequest {
     bool resume = false;  ///< --resume: what is in `out` must be this campaign's
     unsigned threads = 0;
     host::GuardMode guard = host::GuardMode::start;
-    std::size_t part = 1, parts = 1;  ///< --cells PART/PARTS
+    std::size_t part = 1, parts = 1;           ///< --cells PART/PARTS
     std::optional<report::Expected> expected;  ///< figures that are known of the config
 };
 

@@ -289,7 +289,8 @@ int run_here(const CommandLine& line) {
         return run_once(line, request, {campaign::document_of(document, cell), cell}, finder, expected, interrupt);
     }
     campaign::Prepared prepared = campaign::prepare(document, selection, finder);
-    return run_campaign(line, campaign_request(line, request, std::move(expected)), document, finder, prepared, interrupt);
+    return run_campaign(line, campaign_request(line, request, std::move(expected)), document, finder, prepared,
+                        interrupt);
 }
 
 int run(const CommandLine& line) {

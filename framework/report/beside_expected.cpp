@@ -44,7 +44,7 @@ Json judged(const std::string& kind, double expected, const Json& value, const J
     if (is_limit)
         told["within"] = difference <= 0;
     else if (told["band"].is_number())
-        told["within"] = std::abs(difference) <= told["band"].get<double>() * scale;
+        told["within"] = std::abs(difference) <= told["band"].get<double>() * scale + bands.value("rounding", 0.0);
     return told;
 }
 
@@ -60,8 +60,12 @@ Json beside_expected(const Json& summary, const Json& figures) {
             const auto scalar = cell->at("scalars").find(name);
             if (scalar == cell->at("scalars").end()) continue;
             const Json& value = scalar->at("value");
-            Json figure{{"variant", cell->at("variant")}, {"sweep", cell->at("sweep")}, {"scalar", name},
-                        {"unit", scalar->at("unit")},     {"value", value},             {"ci95", scalar->at("ci95")},
+            Json figure{{"variant", cell->at("variant")},
+                        {"sweep", cell->at("sweep")},
+                        {"scalar", name},
+                        {"unit", scalar->at("unit")},
+                        {"value", value},
+                        {"ci95", scalar->at("ci95")},
                         {"expected", Json::array()}};
             for (const auto& [kind, number] : kinds.items()) {
                 figure["expected"].push_back(judged(kind, number.get<double>(), value, figures.at("band")));

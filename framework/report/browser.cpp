@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -128,6 +130,31 @@ std::string decoded(const std::string& base64) {
     return bytes;
 }
 
+/// `%3C` is `<`.
+std::string without_percents(const std::string& text) {
+    std::string bytes;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        unsigned code = 0;
+        const char* const first = text.data() + i + 1;
+        if (text[i] == '%' && i + 2 < text.size() && std::from_chars(first, first + 2, code, 16).ptr == first + 2) {
+            bytes += static_cast<char>(code);
+            i += 2;
+        } else {
+            bytes += text[i];
+        }
+    }
+    return bytes;
+}
+
+/// What a `data:` address holds.
+std::string content_of(const std::string& address) {
+    const std::size_t comma = address.find(',');
+    if (comma == std::string::npos) throw Error(Exit::run_failed, "--plot: the browser handed over no plot");
+    const std::string content = address.substr(comma + 1);
+    return address.compare(comma - std::min<std::size_t>(comma, 7), 7, ";base64") == 0 ? decoded(content)
+                                                                                       : without_percents(content);
+}
+
 std::string attribute(const std::string& text, std::size_t from, const std::string& name) {
     const std::size_t begin = text.find(name + "=\"", from) + name.size() + 2;
     return text.substr(begin, text.find('"', begin) - begin);
@@ -155,8 +182,7 @@ std::vector<std::string> write_plots(const fs::path& page, const fs::path& folde
     for (std::size_t at = document.find(mark); at != std::string::npos; at = document.find(mark, at + 1)) {
         const std::string name = attribute(document, at, "data-figure") + "." + format,
                           source = attribute(document, at, "src");
-        const std::size_t comma = source.find(',');
-        write_file(folder / name, decoded(source.substr(comma == std::string::npos ? 0 : comma + 1)));
+        write_file(folder / name, content_of(source));
         names.push_back(name);
     }
     return names;

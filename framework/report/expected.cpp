@@ -31,8 +31,7 @@ std::optional<double> number_of(const Value& value) {
 
 Json read_number(const Value& value, const std::string& label, Problems& problems) {
     const std::optional<double> number = number_of(value);
-    if (!number)
-        problems.add(value.where, label + ": expected a number in SI units, got " + value.described());
+    if (!number) problems.add(value.where, label + ": expected a number in SI units, got " + value.described());
     return number ? Json(*number) : Json(nullptr);
 }
 
@@ -41,7 +40,8 @@ Json read_numbers(const Value& map, const std::vector<std::string>& keys, const 
                   Problems& problems) {
     Json numbers = Json::object();
     if (!map.is_map()) {
-        problems.add(map.where, label + ": expected a map with some of " + graph::join(keys) + ", got " + map.described());
+        problems.add(map.where,
+                     label + ": expected a map with some of " + graph::join(keys) + ", got " + map.described());
         return numbers;
     }
     graph::check_keys(map, keys, label + ": ", problems);
@@ -53,17 +53,20 @@ Json read_numbers(const Value& map, const std::vector<std::string>& keys, const 
 /// Values as summary.json has them: numbers in SI, truth values, words.
 Json read_sweep(const Value& map, const std::string& label, Problems& problems) {
     Json sweep = Json::object();
-    if (!map.is_map()) problems.add(map.where, label + ": expected a map from addresses to values, got " + map.described());
+    if (!map.is_map())
+        problems.add(map.where, label + ": expected a map from addresses to values, got " + map.described());
     for (const Value::Entry& entry : map.map) {
         const std::optional<double> number = number_of(entry.value);
         if (number)
             sweep[entry.key] = *number;
-        else if (entry.value.is_scalar() && !entry.value.quoted && (entry.value.scalar == "true" || entry.value.scalar == "false"))
+        else if (entry.value.is_scalar() && !entry.value.quoted &&
+                 (entry.value.scalar == "true" || entry.value.scalar == "false"))
             sweep[entry.key] = entry.value.scalar == "true";
         else if (entry.value.is_scalar())
             sweep[entry.key] = entry.value.scalar;
         else
-            problems.add(entry.value.where, label + "." + entry.key + ": expected a single value, got " + entry.value.described());
+            problems.add(entry.value.where,
+                         label + "." + entry.key + ": expected a single value, got " + entry.value.described());
     }
     return sweep;
 }
@@ -77,7 +80,8 @@ Json read_cell(const Value& cell, const std::string& label, Problems& problems) 
     graph::check_keys(cell, {"variant", "sweep", "scalars"}, label + ": ", problems);
     if (const Value* variant = cell.find("variant")) {
         if (!variant->is_scalar())
-            problems.add(variant->where, label + ".variant: expected the name of a variant, got " + variant->described());
+            problems.add(variant->where,
+                         label + ".variant: expected the name of a variant, got " + variant->described());
         read["variant"] = variant->scalar;
     }
     if (const Value* sweep = cell.find("sweep")) read["sweep"] = read_sweep(*sweep, label + ".sweep", problems);
@@ -110,7 +114,8 @@ Json read_document(const Value& root, Problems& problems) {
             problems.add(config->where, "config: expected the name of a config file, got " + config->described());
         read["config"] = config->scalar;
     }
-    if (const Value* band = root.find("band")) read["band"] = read_numbers(*band, {"published", "reproduced"}, "band", problems);
+    if (const Value* band = root.find("band"))
+        read["band"] = read_numbers(*band, {"published", "reproduced", "rounding"}, "band", problems);
     const Value* cells = root.find("cells");
     if (cells == nullptr || !cells->is_list()) {
         problems.add(cells == nullptr ? root.where : cells->where,

@@ -13,7 +13,7 @@ constexpr const char* expected_file_name = "expected.yaml";  ///< in a result fo
 
 struct Expected {
     std::string text;  ///< of the file
-    /// `{config, band: {KIND: x}, cells: [{variant, sweep, scalars: {NAME: {KIND: x}}}]}`, KIND is published, reproduced or limit.
+    /// `{config, band: {KIND: x, rounding: x}, cells: [{variant, sweep, scalars: {NAME: {KIND: x}}}]}`, KIND is published, reproduced or limit.
     nlohmann::ordered_json figures;
 };
 

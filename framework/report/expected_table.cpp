@@ -26,7 +26,8 @@ std::string short_address(const std::string& address, const Words& all) {
     for (std::size_t dot = address.rfind('.'); dot != std::string::npos && dot > 0; dot = address.rfind('.', dot - 1)) {
         const std::string end = address.substr(dot);
         const auto has_it = [&](const std::string& other) {
-            return ('.' + other).size() >= end.size() && ('.' + other).compare(other.size() + 1 - end.size(), end.size(), end) == 0;
+            return ('.' + other).size() >= end.size() &&
+                   ('.' + other).compare(other.size() + 1 - end.size(), end.size(), end) == 0;
         };
         if (std::count_if(all.begin(), all.end(), has_it) == 1) return end.substr(1);
     }
@@ -75,7 +76,8 @@ struct NodeTable {
         for (const std::string& cell : cells)
             if (const auto found = figures.find({cell, scalar}); found != figures.end()) {
                 unit = found->second->at("unit").get<std::string>();
-                for (const Json& each : found->second->at("expected")) add_once(kinds, each.at("kind").get<std::string>());
+                for (const Json& each : found->second->at("expected"))
+                    add_once(kinds, each.at("kind").get<std::string>());
             }
         std::vector<Words> rows{{"value "}};
         rows[0].insert(rows[0].end(), kinds.begin(), kinds.end());

@@ -267,7 +267,9 @@ private:
     }
 
     /// A config must be good, one that is marked `broken` must not be.
-    void check(const CodeBlock& block, const fs::path& file) {
+    void check(const CodeBlock& block, fs::path file) {
+        // Expected figures are checked with the config that they belong to.
+        if (file.stem().extension() == ".expected") file.replace_filename(file.stem().stem().string() + ".yaml");
         const std::string flags = block.has("plugins") ? " --plugins " + block.marks.at("plugins") : "";
         const Ended ended = reader_.shell("pelorus check '" + file.string() + "'" + flags);
         if (block.has("broken") && ended.exit == 0)

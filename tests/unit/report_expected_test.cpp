@@ -86,6 +86,14 @@ TEST_CASE("a value is held to bands and limits, and has its relative deviation",
     CHECK(beside["outside"] == 2);
 }
 
+TEST_CASE("a band is as much wider as figures are rounded", "[report]") {
+    std::string text = good;
+    text.replace(text.find("band: {reproduced: 0.1}"), 23, "band: {reproduced: 0.01}");
+    CHECK(report::beside_expected(summary(), figures_of(text))["figures"][0]["expected"][1]["within"] == false);
+    text.replace(text.find("band: {reproduced: 0.01}"), 24, "band: {reproduced: 0.01, rounding: 0.1}");
+    CHECK(report::beside_expected(summary(), figures_of(text))["figures"][0]["expected"][1]["within"] == true);
+}
+
 TEST_CASE("values and what was expected of them stand beside each other", "[report]") {
     const std::string text = report::expected_table(report::beside_expected(summary(), figures_of(good)));
     CHECK(text ==

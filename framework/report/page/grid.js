@@ -40,7 +40,7 @@ function multiples(grid, scalar, width) {
         hovertemplate: `${variant.replace(/[<>&]/g, "")}: %{y:.4g}<extra></extra>` });
     });
     layout["xaxis" + n] = { type: "category", title: { text: shortAddress(along, grid.addresses) } };
-    layout["yaxis" + n] = { matches: p ? "y" : undefined, title: p % columns ? undefined : { text: grid.scalars.get(scalar) || "" } };
+    layout["yaxis" + n] = { matches: p ? "y" : undefined, title: p % columns ? undefined : { text: plain(withUnit(scalar, grid.scalars.get(scalar))) } };
     const title = pointText(panel.rest);
     if (title) layout.annotations.push({ text: plain(title), xref: `x${n} domain`, yref: `y${n} domain`, x: 0.5, y: 1.02, yanchor: "bottom", showarrow: false });
   });

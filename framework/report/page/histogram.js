@@ -53,8 +53,9 @@ function showHistograms(cells, samples) {
     ? "How a scalar is spread over the runs. Scalars that exist only over all runs, as an RMSE does, have no distribution."
     : "How the elements of a column are spread over the rows of its table.");
   const grid = gridOf(cells);
-  let chosen = 0, key = grid.points[0].key;
-  const plot = figure("distributions", 420, "", () => {
+  const varies = all.findIndex((d) => d.series.some((s) => s.values.some((x) => x !== s.values[0])));
+  let chosen = Math.max(varies, 0), key = grid.points[0].key;
+  const plot = figure("distributions", 480, "", () => {
     const { name, unit, of, series } = all[chosen];
     const shown = series.filter((s) => pointKey(s.cell.sweep) === key);
     const bins = shown.length ? binsOf(shown) : null;
@@ -68,7 +69,7 @@ function showHistograms(cells, samples) {
   });
   const redraw = () => plot.draw();
   part.append(controls(
-    choice("Figure", all.map((d, i) => ({ value: String(i), text: withUnit(d.name, d.unit) })), "0", (value) => { chosen = Number(value); redraw(); }),
+    choice("Figure", all.map((d, i) => ({ value: String(i), text: withUnit(d.name, d.unit) })), String(chosen), (value) => { chosen = Number(value); redraw(); }),
     grid.points.length > 1 ? choice("Grid point", grid.points.map((p) => ({ value: p.key, text: pointText(p.sweep) })), key, (value) => { key = value; redraw(); }) : null,
   ), plot.element);
 }

@@ -8,8 +8,8 @@ function look(layout = {}) {
   const made = {
     paper_bgcolor: colour("paper"), plot_bgcolor: colour("paper"),
     font: { family: "system-ui, 'DejaVu Sans', sans-serif", size: 13, color: colour("ink") },
-    margin: { l: 60, r: 16, t: 28, b: 48 }, hovermode: "closest", dragmode: "pan",
-    legend: { orientation: "h", y: -0.18, yanchor: "top", x: 0 },
+    margin: { l: 60, r: 16, t: 48, b: 48 }, hovermode: "closest", dragmode: "pan",
+    legend: { orientation: "h", y: -0.2, yanchor: "top", x: 0 },
     hoverlabel: { bgcolor: colour("raised"), font: { color: colour("ink") } },
     ...layout,
   };
@@ -17,8 +17,9 @@ function look(layout = {}) {
   return made;
 }
 
-const settings = { responsive: true, displaylogo: false, scrollZoom: false,
-  modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "toggleSpikelines"] };
+/** On a narrow screen the buttons would lie over the titles; fingers do what they do. */
+const settings = () => ({ responsive: true, displaylogo: false, scrollZoom: false, displayModeBar: window.innerWidth < 640 ? false : "hover",
+  modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "toggleSpikelines"] });
 
 /**
  * A figure. `build(width)` answers `{data, layout, says}`: Plotly's traces and layout, and what somebody is told who does not see them.
@@ -34,7 +35,7 @@ function figure(name, height, caption, build) {
     if (built.height) plot.style.height = built.height + "px";
     made.height = built.height || height;
     if (built.caption) told.textContent = built.caption;
-    return Plotly.react(plot, built.data, look(built.layout), settings);
+    return Plotly.react(plot, built.data, look(built.layout), settings());
   };
   figures.push(made);
   return made;

@@ -56,7 +56,7 @@ class Scene {
     const time = this.times[this.at];
     const nearest = path.reduce((best, entry) => (Math.abs(entry.time - time) < Math.abs(best.time - time) ? entry : best), path[0]);
     const sizes = this.kinds[kind].all.filter((entry) => root(entry.extent)).map((entry) => reach(entry.extent)).sort((a, b) => a - b);
-    const half = sizes.length ? 1.9 * sizes[Math.floor(sizes.length / 2)] : this.span() / 20;
+    const half = sizes.length ? 1.7 * sizes[Math.floor(sizes.length / 2)] : this.span() / 20;
     return nearest && { centre: nearest.centre, half };
   }
 
@@ -89,7 +89,7 @@ class Scene {
     const common = { showlegend: true, uirevision: this.followed, legend: { orientation: "h", y: this.flat ? -0.14 : 0, yanchor: "top", x: 0 }, dragmode: this.flat ? "pan" : "turntable" };
     if (this.flat) return { ...common, xaxis: axis(0), yaxis: { ...axis(1), scaleanchor: "x" } };
     const in3d = (a) => ({ ...axis(a), color: colour("quiet"), gridcolor: colour("rule"), backgroundcolor: colour("paper"), zerolinecolor: colour("rule"), showspikes: false, nticks: 6 });
-    return { ...common, margin: { l: 0, r: 0, t: 0, b: 60 }, scene: { xaxis: in3d(0), yaxis: in3d(1), zaxis: in3d(2), ...this.aspect(around), camera: { eye: { x: 1.15, y: -1.35, z: 0.75 } }, uirevision: this.followed } };
+    return { ...common, margin: { l: 0, r: 0, t: 0, b: 60 }, scene: { xaxis: in3d(0), yaxis: in3d(1), zaxis: in3d(2), ...this.aspect(around), camera: { eye: { x: 1.05, y: -1.25, z: 0.65 }, center: { x: 0, y: 0, z: -0.06 } }, uirevision: this.followed } };
   }
 
   /** To scale, unless a path is so flat that nothing could be seen. */
