@@ -28,6 +28,9 @@ report::PairedCells paired_cells(const fs::path& a, const fs::path& b) {
 }
 
 int compare_folders(const CommandLine& line) {
+    const std::vector<std::string> formats = plot_formats(line);
+    if (!formats.empty() && !line.has("html"))
+        throw Error(Exit::misuse, "--plot: --html FILE is missing: the plots are those of the page");
     const report::Result a = report::read_result(line.argument(0)), b = report::read_result(line.argument(1));
     const Json comparison = report::compare(a, b, paired_cells(a.folder, b.folder));
     if (line.has("html")) {
@@ -41,6 +44,7 @@ int compare_folders(const CommandLine& line) {
                         {"notes", Json::array()}};
         report::write_file(file, report::html_page(page_parts(), title, {{"page", page}, {"compare", comparison}}));
         tell("the page: " + file.string());
+        for (const std::string& plot : write_plots_of(file, formats)) tell("a plot: " + plot);
     }
     if (line.has("json"))
         print_json(comparison);
@@ -61,7 +65,9 @@ Command compare_command() {
             "variant and the same grid point; where each result has one variant alone, these are compared.\n\n"
             "Results of the same seed and the same number of runs share their random numbers: then differences are "
             "taken run by run.",
-            {{"A", "B"}, {{"html", "FILE", "the same as a page, with plots"}, {"json", "", "the same as JSON"}}, {}},
+            {{"A", "B"},
+             {{"html", "FILE", "the same as a page, with plots"}, plot_flag(), {"json", "", "the same as JSON"}},
+             {}},
             {{"pelorus compare results/before results/after", "what a change has done"},
              {"pelorus compare results/koch results/feldmann --html compare.html", "two variants, as a page"}},
             &compare_folders};

@@ -66,12 +66,18 @@ Json samples_of(const fs::path& folder) {
     return all;
 }
 
-void tell_page(const CommandLine& line, const fs::path& page, const std::vector<std::string>& formats) {
+std::vector<std::string> write_plots_of(const fs::path& page, const std::vector<std::string>& formats) {
     const fs::path folder = page.parent_path() / "plots";
-    std::vector<std::string> files{page.string()};
+    std::vector<std::string> files;
     for (const std::string& format : formats)
         for (const std::string& name : report::write_plots(page, folder, format))
             files.push_back((folder / name).string());
+    return files;
+}
+
+void tell_page(const CommandLine& line, const fs::path& page, const std::vector<std::string>& formats) {
+    std::vector<std::string> files = write_plots_of(page, formats);
+    files.insert(files.begin(), page.string());
     if (line.has("json")) return print_json({{"page", page.string()}, {"files", files}});
     std::string text;
     for (const std::string& file : files) text += file + '\n';

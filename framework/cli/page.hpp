@@ -26,7 +26,10 @@ nlohmann::ordered_json samples_of(const std::filesystem::path& folder);
 /// The numbers of the finished cells of the campaign in a folder, in the order of its summary.
 std::vector<std::size_t> finished_cells(const std::filesystem::path& folder);
 
-/// Writes the plots of the page into `plots` beside it, and tells the files: lines, or with --json as JSON.
+/// Writes the plots of the page into `plots` beside it; answers the files.
+std::vector<std::string> write_plots_of(const std::filesystem::path& page, const std::vector<std::string>& formats);
+
+/// Writes the plots of the page, and tells the files: lines, or with --json as JSON.
 void tell_page(const CommandLine& line, const std::filesystem::path& page, const std::vector<std::string>& formats);
 
 }  // namespace pelorus::cli

@@ -69,6 +69,7 @@ TEST_CASE("unknown commands and flags are refused with the nearest right one") {
 TEST_CASE("reports and comparisons are of folders that are named, in formats that there are") {
     check_refused({"report"}, "DIR is missing; usage: pelorus report DIR");
     check_refused({"report", "x", "--plot", "pdf"}, "--plot: expected png or svg, got 'pdf'");
+    check_refused({"compare", "x", "y", "--plot", "png"}, "--plot: --html FILE is missing");
     check_refused({"compare", "x"}, "B is missing; usage: pelorus compare A B");
 }
 

@@ -129,6 +129,9 @@ TEST_CASE("plots are written as images for papers") {
 TEST_CASE("a comparison is drawn") {
     if (!has_browser()) return;
     must(result(), {"run", "c.yaml", "--seed", "8", "--out", "eight"});
-    must(result(), {"compare", "out", "eight", "--html", "both.html"});
+    must(result(), {"compare", "out", "eight", "--html", "both.html", "--plot", "png"});
     CHECK(screenshot(result(), "both.html#theme=light", 1440).colours() > 50);
+    const std::filesystem::path plot(result() / "plots/differences.png");
+    REQUIRE(std::filesystem::exists(plot));
+    CHECK(read_png(plot).colours() > 20);
 }
