@@ -25,10 +25,12 @@ std::map<std::int64_t, Told> track(const std::string& extent, const nlohmann::js
         time += second;
     }
     std::map<std::int64_t, Told> told;
-    for (const auto& published : bench.published)
+    for (const auto& published : bench.published) {
+        if (published.port != 0) continue;  // innovations
         for (std::int64_t i = 0; i < published.tracks().count; ++i)
             told[published.tracks().times[i] / second] = {pelorus::item(published.tracks().mean, i),
                                                           pelorus::item(published.tracks().extent, i)};
+    }
     return told;
 }
 

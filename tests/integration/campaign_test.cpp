@@ -11,6 +11,7 @@
 
 #include "../fixtures/temporary_folder.hpp"
 #include "../support/process.hpp"
+#include "../support/small_campaign.hpp"
 
 using namespace pelorus::test;
 using Catch::Contains;
@@ -18,41 +19,11 @@ using Json = nlohmann::json;
 
 namespace {
 
-const char* const config_text = R"(pelorus: 1
+/// Of six cells.
+const char* const config_text = R"(extend: small.yaml
 title: a campaign
-run: {seed: 7}
-graph:
-  world:
-    use: source.simulation
-    with: {scans: 12, period: 1 s}
-    parts:
-      targets:
-        one: {use: trajectory.legs, with: {start: [-3 km, 0 m, 1 km], speed: 80 m/s, heading: 10 deg}}
-      sensors:
-        radar: {use: sensor.position, with: {noise: 10 m}}
-  tracker:
-    use: tracker.point_target
-    with: {maximum_speed: 300 m/s}
-    in: {scans: world.scans}
-    parts:
-      estimator:
-        use: estimator.kalman
-        parts:
-          motion: {use: motion.constant_velocity, with: {noise: 1 m2/s3}}
-          sensors: {radar: {like: world.sensors.radar}}
-  errors:
-    use: analyzer.tracking_error
-    in: {tracks: tracker.tracks, truth: world.truth}
-  files:
-    use: sink.csv
-    in: {tracks: tracker.tracks, truth: world.truth}
-campaign:
-  runs: 20
-  sweep:
-    world.sensors.radar.noise: [5 m, 10 m, 20 m]
-  variants:
-    calm: {}
-    lively: {tracker.estimator.motion.noise: 20 m2/s3}
+graph: {world: {with: {scans: 12}}}
+campaign: {runs: 20, sweep: {world.sensors.radar.noise: [5 m, 10 m, 20 m]}}
 )";
 
 /// An analyzer that fails in some runs and takes its time.
@@ -60,6 +31,7 @@ const char* const unlucky = "extend: c.yaml\ngraph:\n  luck: {use: analyzer.unlu
 
 struct Bench {
     TemporaryFolder folder;
+    std::string small = folder.write("small.yaml", small_campaign);
     std::string config = folder.write("c.yaml", config_text);
     std::string unlucky_config = folder.write("unlucky.yaml", unlucky);
 

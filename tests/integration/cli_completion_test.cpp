@@ -42,7 +42,7 @@ bool has(const Words& words, const std::string& word) {
 
 TEST_CASE("bash completes commands, flags, kinds, levels and ids") {
     CHECK(completed({command, "in"}) == Words{"inspect"});
-    CHECK(completed({command, "c"}) == Words{"check", "conform", "completion"});
+    CHECK(completed({command, "c"}) == Words{"compare", "check", "conform", "completion"});
     CHECK(has(completed({command, ""}), "run"));
     CHECK(completed({command, "help", "sch"}) == Words{"schema"});
     CHECK(completed({command, "run", "c.yaml", "--s"}) ==
