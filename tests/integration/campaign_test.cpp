@@ -300,7 +300,7 @@ campaign:
         CHECK(count(ended.err, "\n") == 3);
     }
     const Ended good = pelorus_command({"check", bench.config, "--variant", "calm"});
-    CHECK_THAT(good.out, Contains("good: 4 nodes, 5 edges, 8 plugins, 3 cells of 20 runs"));
+    CHECK_THAT(good.out, Contains("good: 4 nodes, 6 edges, 8 plugins, 3 cells of 20 runs"));
     CHECK(pelorus_command({"check", bench.config, "--variant", "clam"}).exit == 2);
 }
 
