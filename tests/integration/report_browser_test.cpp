@@ -1,4 +1,4 @@
-// Pages of `pelorus report` and `pelorus compare` in a browser without a window.
+// Pages of `pelorus report` and `pelorus compare` in a browser without a window; sanitizers see nothing of it.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -85,7 +85,8 @@ TemporaryFolder& result() {
 
 }  // namespace
 
-TEST_CASE("a report is drawn on a phone and on a screen, dark and light, without a word of complaint") {
+TEST_CASE("a report is drawn on a phone and on a screen, dark and light, without a word of complaint",
+          "[release-only]") {
     if (!has_browser()) return;
     for (const int width : {500, 1440})
         for (const std::string theme : {"dark", "light"}) {
@@ -100,7 +101,7 @@ TEST_CASE("a report is drawn on a phone and on a screen, dark and light, without
         }
 }
 
-TEST_CASE("a report has all of its sections, and the page says when it is drawn") {
+TEST_CASE("a report has all of its sections, and the page says when it is drawn", "[release-only]") {
     if (!has_browser()) return;
     const std::string document = browse(result(), {"--dump-dom"}, "page.html").out;
     CHECK_THAT(document, Contains("data-ready=\"yes\""));
@@ -113,7 +114,7 @@ TEST_CASE("a report has all of its sections, and the page says when it is drawn"
     CHECK_THAT(document, Contains("<canvas"));
 }
 
-TEST_CASE("plots are written as images for papers") {
+TEST_CASE("plots are written as images for papers", "[release-only]") {
     if (!has_browser()) return;
     must(result(), {"report", "out", "--out", "plots.html", "--plot", "png", "--plot", "svg"});
     for (const std::string name : {"figures", "time", "scene", "distributions"}) {
@@ -126,7 +127,7 @@ TEST_CASE("plots are written as images for papers") {
     }
 }
 
-TEST_CASE("a comparison is drawn") {
+TEST_CASE("a comparison is drawn", "[release-only]") {
     if (!has_browser()) return;
     must(result(), {"run", "c.yaml", "--seed", "8", "--out", "eight"});
     must(result(), {"compare", "out", "eight", "--html", "both.html", "--plot", "png"});
