@@ -70,7 +70,8 @@ void read_part(const std::string& text, Request& request) {
     };
     if (slash == std::string::npos || !number(0, slash, request.part) ||
         !number(slash + 1, text.size(), request.parts) || request.part < 1 || request.part > request.parts)
-        throw Error(Exit::misuse, "--cells: expected I/N, the I-th of N parts (3/8 is the third of eight), got '" + text + "'");
+        throw Error(Exit::misuse,
+                    "--cells: expected I/N, the I-th of N parts (3/8 is the third of eight), got '" + text + "'");
 }
 
 Request read_request(const CommandLine& line) {

@@ -19,7 +19,7 @@ enum {
 
 typedef struct plr_extent_info {
   uint32_t struct_size;
-  uint32_t flags; /* PLR_EXTENT_... */
+  uint32_t flags;       /* PLR_EXTENT_... */
   int32_t dimension;    /* d */
   int32_t start_scans;  /* how many scans init wants; the record is valid at the time of the last of them, and there the
                            kinematics begin, too. A tracker that starts by differencing two scans begins at the first scan if
