@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "campaign/cell_pipeline.hpp"
 #include "campaign/prepare.hpp"
 #include "campaign/store.hpp"
 #include "campaign/summary_of_cells.hpp"
@@ -15,6 +16,7 @@
 #include "report/json_file.hpp"
 #include "report/result_folder.hpp"
 #include "report/terminal_table.hpp"
+#include "report/timing.hpp"
 
 namespace pelorus::cli {
 
@@ -68,30 +70,32 @@ std::map<std::size_t, fs::path> find_cells(const std::vector<fs::path>& folders,
     return found;
 }
 
-/// What sinks have written of the first run.
+/// What sinks have written of the first run, and the figures that were expected.
 void copy_sink_files(const fs::path& from, const fs::path& to) {
     for (const std::string& name : report::file_names(from)) {
-        const bool is_own = name == "summary.json" || name == "provenance.json" || name == "timing.json" ||
-                            from / name == campaign::campaign_file(from);
+        const bool is_of_part = from / name == campaign::campaign_file(from) ||
+                                (report::is_result(name) && name != report::expected_file_name);
         std::error_code reason;
-        if (!is_own) fs::copy_file(from / name, to / name, fs::copy_options::overwrite_existing, reason);
+        if (!is_of_part) fs::copy_file(from / name, to / name, fs::copy_options::overwrite_existing, reason);
         if (reason) throw Error(Exit::run_failed, "cannot write " + (to / name).string() + ": " + reason.message());
     }
 }
 
 Json merged_timing(const std::vector<fs::path>& folders) {
     Json sum{{"total_seconds", 0.0}, {"parts", folders.size()}, {"runs", 0}, {"nodes", Json::object()}};
+    campaign::NodeTimings timings;
     for (const fs::path& folder : folders) {
         const Json timing = read_result(folder, "timing.json");
         sum["total_seconds"] = sum["total_seconds"].get<double>() + timing.value("total_seconds", 0.0);
         sum["runs"] = sum["runs"].get<std::uint64_t>() + timing.value("runs", std::uint64_t{0});
         const Json nodes = timing.value("nodes", Json::object());
-        for (const auto& [name, node] : nodes.items()) {
-            Json& to = sum["nodes"].emplace(name, Json{{"calls", 0}, {"seconds", 0.0}}).first.value();
-            to["calls"] = to["calls"].get<std::uint64_t>() + node.value("calls", std::uint64_t{0});
-            to["seconds"] = to["seconds"].get<double>() + node.value("seconds", 0.0);
-        }
+        campaign::NodeTimings of_part;
+        for (const auto& [name, node] : nodes.items())
+            of_part.push_back({name, node.value("calls", std::uint64_t{0}), node.value("seconds", 0.0),
+                               node.value("max_seconds", 0.0)});
+        campaign::add_timings(timings, of_part);
     }
+    for (const runtime::NodeTiming& node : timings) sum["nodes"][node.node] = report::node_timing(node);
     return sum;
 }
 

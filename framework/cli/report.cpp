@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "report/json_file.hpp"
 #include "report/page.hpp"
+#include "report/result_folder.hpp"
 
 namespace pelorus::cli {
 
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 int report_folder(const CommandLine& line) {
     const std::vector<std::string> formats = plot_formats(line);
     const report::Result result = report::read_result(line.argument(0));
-    const fs::path file = line.value("out", (result.folder / "report.html").string());
+    const fs::path file = line.value("out", (result.folder / report::page_file_name).string());
     if (file.empty()) throw Error(Exit::misuse, "--out: expected a file, got nothing");
     report::write_file(file, report::html_page(page_parts(), result.title(),
                                                report::report_blocks(result, samples_of(result.folder))));

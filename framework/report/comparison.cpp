@@ -20,12 +20,14 @@ std::set<std::string> variants_of(const Json& cells) {
     return names;
 }
 
-std::string cell_text(const Json& cell) {
-    std::string text = cell.at("variant").get<std::string>();
+/// A name, and where on the grid the cell is.
+std::string point_text(std::string text, const Json& cell) {
     for (const auto& [address, value] : cell.at("sweep").items())
         text += fmt::format(", {} = {}", address, value.dump());
     return text;
 }
+
+std::string cell_text(const Json& cell) { return point_text(cell.at("variant").get<std::string>(), cell); }
 
 /// The interval of a difference of independent estimates.
 Json independent_ci95(const Json& a, const Json& b) {
@@ -83,8 +85,6 @@ bool is_clear(const Json& entry) {
 std::string cell_table(const Json& cell) {
     std::string heading = cell.at("variant_a").get<std::string>();
     if (cell.at("variant_b") != cell.at("variant_a")) heading += " -> " + cell.at("variant_b").get<std::string>();
-    for (const auto& [address, value] : cell.at("sweep").items())
-        heading += fmt::format(", {} = {}", address, value.dump());
     std::vector<Words> rows{{"", "A", "B", "B - A", "+-", ""}};
     for (const auto& [name, entry] : cell.at("scalars").items()) {
         const std::string unit = entry.at("unit").get<std::string>();
@@ -92,7 +92,7 @@ std::string cell_table(const Json& cell) {
                         number(entry.at("b"), "-"), number(entry.at("difference"), "-"), number(entry.at("ci95"), "-"),
                         is_clear(entry) ? "*" : ""});
     }
-    return heading + '\n' + joined(aligned_lines(rows)) + '\n';
+    return point_text(std::move(heading), cell) + '\n' + joined(aligned_lines(rows)) + '\n';
 }
 
 std::string list_text(const std::string& title, const Json& names) {

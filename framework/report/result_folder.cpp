@@ -1,5 +1,7 @@
 #include "report/result_folder.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <system_error>
 
 #include "host/error.hpp"
@@ -64,8 +66,19 @@ void prepare_folder(const std::filesystem::path& folder) {
     std::filesystem::remove(trial, reason);
 }
 
+namespace {
+
+constexpr const char* results[] = {"summary.json", "provenance.json", "timing.json", expected_file_name,
+                                   page_file_name};
+
+}  // namespace
+
+bool is_result(const std::string& name) {
+    return std::find(std::begin(results), std::end(results), name) != std::end(results);
+}
+
 void remove_results(const std::filesystem::path& folder) {
-    for (const char* name : {"summary.json", "provenance.json", "timing.json", expected_file_name}) {
+    for (const char* name : results) {
         std::error_code reason;
         std::filesystem::remove(folder / name, reason);
         if (reason)

@@ -22,7 +22,12 @@ struct ResultFolder {
 /// a run, not after an hour. Throws Error (Exit::run_failed) with the path and the reason.
 void prepare_folder(const std::filesystem::path& folder);
 
-/// Takes away the JSON files of an earlier run, and its expected.yaml: they must not be taken for this one's if it comes to a bad end. Throws Error.
+constexpr const char* page_file_name = "report.html";  ///< where `pelorus report` writes unless told otherwise
+
+/// Whether a file of that name is written by Pelorus itself, about one result: JSON files, expected.yaml, the page.
+bool is_result(const std::string& name);
+
+/// Takes away what is_result of an earlier run: it must not be taken for this one's. Throws Error.
 void remove_results(const std::filesystem::path& folder);
 
 /// Writes summary.json, provenance.json, timing.json and expected.yaml, each whole or not at all, over what is there. Throws Error.

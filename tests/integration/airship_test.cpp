@@ -53,29 +53,21 @@ double scalar(const runtime::Table& t, const std::string& name) {
     throw std::runtime_error("no scalar " + name);
 }
 
-/// Mean over time of the root mean square over runs; mean over runs of the shape's errors.
+/// Mean over time of the root mean square over runs; mean over runs of the long axis' error.
 struct Figures {
-    double position = 0, velocity = 0, short_axis = 0, long_axis = 0, angle = 0;
+    double position = 0, long_axis = 0;
 };
 Figures monte_carlo(int runs, const Sets& sets) {
-    std::vector<double> position(100, 0), velocity(100, 0);
+    std::vector<double> position(100, 0);
     Figures out;
     for (int run = 0; run < runs; ++run) {
         const auto results = results_of(static_cast<std::uint64_t>(run), sets);
-        const auto p = column(table(results, "errors"), "position"), v = column(table(results, "errors"), "velocity");
+        const auto p = column(table(results, "errors"), "position");
         REQUIRE(p.size() == 100);
-        for (std::size_t k = 0; k < 100; ++k) {
-            position[k] += p[k] * p[k] / runs;
-            velocity[k] += v[k] * v[k] / runs;
-        }
-        out.short_axis += scalar(table(results, "shape"), "minor_axis_error") / runs;
+        for (std::size_t k = 0; k < 100; ++k) position[k] += p[k] * p[k] / runs;
         out.long_axis += scalar(table(results, "shape"), "major_axis_error") / runs;
-        out.angle += scalar(table(results, "shape"), "axis_angle") / runs;
     }
-    for (std::size_t k = 0; k < 100; ++k) {
-        out.position += std::sqrt(position[k]) / 100;
-        out.velocity += std::sqrt(velocity[k]) / 100;
-    }
+    for (std::size_t k = 0; k < 100; ++k) out.position += std::sqrt(position[k]) / 100;
     return out;
 }
 

@@ -113,9 +113,15 @@ TEST_CASE("the parts of a campaign merge into the undivided one") {
     CHECK(refused.exit == 1);
     CHECK_THAT(refused.err, Contains("1 of 6 cells are in none of the folders: 3"));
     words.insert(words.begin() + 1, bench.folder / "part4");
+    REQUIRE(pelorus_command({"report", bench.folder / "part1"}).exit == 0);
     const Ended merged = pelorus_command(words);
     CAPTURE(merged.err);
     REQUIRE(merged.exit == 0);
+    CHECK_FALSE(bench.folder.has("merged/report.html"));  // that of a part is not the whole's
+    const Json tracker = bench.json("merged/timing.json")["nodes"]["tracker"];
+    CHECK(tracker["mean_seconds"].get<double>() ==
+          Approx(tracker["seconds"].get<double>() / tracker["calls"].get<double>()));
+    CHECK(tracker["max_seconds"].get<double>() >= tracker["mean_seconds"].get<double>());
     CHECK(whole == bench.folder.read("merged/summary.json"));
     for (const char* name : {"provenance.json", "campaign.json", "tracks.csv", "truth.csv"})
         CHECK(bench.folder.read(std::string("whole/") + name) == bench.folder.read(std::string("merged/") + name));
