@@ -40,7 +40,7 @@ private:
         plr_view predicted;      // m x 1 x N
         plr_const_view factors;  // n x n x N
         std::array<Image, block_size> images;
-        plr_view cartesian_cross;  // c x m x N, or data NULL
+        plr_view cartesian_cross{};  // c x m x N, or data NULL
     };
     /// A prediction of a block of records, but for its covariance.
     struct Step {
