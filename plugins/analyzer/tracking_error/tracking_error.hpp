@@ -15,7 +15,7 @@ namespace tracking_error {
 class TrackingError : public pelorus::Stage<TrackingError> {
 public:
     static constexpr const char* kind = "analyzer";
-    static constexpr std::uint32_t state_version = 2;
+    static constexpr std::uint32_t state_version = 3;
 
     static void describe(pelorus::Describe<TrackingError>& plugin) {
         plugin.title("Tracking error")
@@ -46,6 +46,15 @@ public:
             .above(0)
             .below(1)
             .doc("probability with which honest covariances keep within the bounds of anees and anis");
+        plugin.parameter("nees_derivatives", &TrackingError::nees_derivatives_)
+            .initially("2")
+            .min(1)
+            .max(3)
+            .doc("what nees counts: 1, positions; 2, velocities too; 3, accelerations too; those that both sides tell");
+        plugin.parameter("from_scan", &TrackingError::from_scan_)
+            .initially("0")
+            .min(0)
+            .doc("first instant of truth, counted from 0, that is told and enters the scalars");
     }
 
     void setup(const pelorus::Setup& setup) { frame_ = setup.frame(); }
@@ -94,6 +103,7 @@ private:
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
+        for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
@@ -101,18 +111,39 @@ private:
         publish(0, result.message(time));
     }
 
+    /// Calls function(time, instant) for each instant that has truth, from from_scan on.
+    template <class Function> void for_each_scored(Function function) const {
+        std::int64_t index = 0;
+        for (const auto& [time, instant] : pairs_.instants())
+            if (!instant.truth.empty() && index++ >= from_scan_) function(time, instant);
+    }
+
+    /// Root mean squares over all pairs of the run: what a single run can tell of its errors.
+    void add_run_errors(pelorus::ResultBuilder& result, int derivative) const {
+        const std::string name = derivative == 0 ? "position_rms" : "velocity_rms",
+                          unit = derivative == 0 ? "m" : "m/s";
+        Pairs all;
+        for_each_scored([&](std::int64_t, const pelorus::TruthPairs::Instant& instant) {
+            const Pairs pairs = instant.pairs();
+            all.insert(all.end(), pairs.begin(), pairs.end());
+        });
+        const Errors errors(all, pairs_.axes(), derivative);
+        result.scalar(name, unit, PLR_REDUCE_ROOT_MEAN_SQUARE, errors.norm);
+        for (int k = 0; k < pairs_.axes(); ++k)
+            result.scalar(of_axis(name, k), unit, PLR_REDUCE_ROOT_MEAN_SQUARE,
+                          errors.axis[static_cast<std::size_t>(k)]);
+    }
+
     /// One row an instant that has truth.
     Counts add_rows(pelorus::ResultBuilder& result) const {
         Counts counts;
-        for (const auto& [time, instant] : pairs_.instants()) {
-            if (instant.truth.empty()) {
-                counts.without_truth += static_cast<double>(instant.estimates.size());
-                continue;
-            }
+        for (const auto& [time, instant] : pairs_.instants())
+            if (instant.truth.empty()) counts.without_truth += static_cast<double>(instant.estimates.size());
+        for_each_scored([&](std::int64_t time, const pelorus::TruthPairs::Instant& instant) {
             const Pairs pairs = instant.pairs();
             const Errors position(pairs, pairs_.axes(), 0), velocity(pairs, pairs_.axes(), 1);
             NormalisedSquares squares;
-            for (const auto& pair : pairs) add_error(pair, squares);
+            for (const auto& pair : pairs) add_error(pair, static_cast<int>(nees_derivatives_), squares);
             const double estimates = static_cast<double>(instant.estimates.size()),
                          missing = static_cast<double>(instant.missing());
             counts.estimates += estimates;
@@ -122,7 +153,7 @@ private:
             cells.insert(cells.end(), {estimates, missing});
             for (const Errors* errors : {&position, &velocity}) add_cells(cells, *errors);
             result.row(cells);
-        }
+        });
         return counts;
     }
 
@@ -132,13 +163,12 @@ private:
         result.column("time", "s", PLR_REDUCE_KEY);
         result.column("acceleration", "m/s2", PLR_REDUCE_ROOT_MEAN_SQUARE);
         add_axes(result, "acceleration", "m/s2");
-        for (const auto& [when, instant] : pairs_.instants()) {
-            if (instant.truth.empty()) continue;
+        for_each_scored([&](std::int64_t when, const pelorus::TruthPairs::Instant& instant) {
             const Errors errors(instant.pairs(), pairs_.axes(), 2);
             std::vector<double> cells{seconds(when), errors.norm};
             add_cells(cells, errors);
             result.row(cells);
-        }
+        });
         result.scalar_of_column("acceleration_rmse", "m/s2", "acceleration");
         publish(0, result.message(time));
     }
@@ -190,6 +220,7 @@ private:
 
     bool acceleration_ = false;
     double confidence_ = 0.95;
+    std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
     std::string frame_;
     pelorus::TruthPairs pairs_;
     std::map<std::int64_t, NormalisedSquares> innovations_;  // by time, ns
