@@ -34,13 +34,16 @@ public:
                 "Wiley 2001, 5.4.2; X. R. Li, Z. Zhao, V. P. Jilkov, Practical measures and test for credibility of "
                 "an estimator, Workshop on Estimation, Tracking, and Fusion, 2001 (anees)");
         plugin.in_port("tracks", PLR_MESSAGE_TRACKS, "estimates");
-        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is");
+        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is", PLR_PORT_MANY);
         plugin.in_port("innovations", PLR_MESSAGE_VALUES, "normalised innovations squared of a tracker",
                        PLR_PORT_OPTIONAL);
         plugin.out_port("results", PLR_MESSAGE_TABLE, "the tables by_time, acceleration and innovations, at the end");
         plugin.parameter("acceleration", &TrackingError::acceleration_)
             .initially("false")
             .doc("whether errors of the acceleration are told, in a table of their own");
+        plugin.parameter("by_axis", &TrackingError::by_axis_)
+            .initially("false")
+            .doc("whether the root mean square errors of a whole run are told for each axis: position_rms.x, ...");
         plugin.parameter("confidence", &TrackingError::confidence_)
             .initially("0.95")
             .above(0)
@@ -93,12 +96,37 @@ private:
         result.scalar_of_column("velocity_rmse", "m/s", "velocity");
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
+        if (by_axis_) add_axis_scalars(result);
         result.scalar_of_column("nees", "", "nees");
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
         result.scalar("without_truth", "", PLR_REDUCE_MEAN, counts.without_truth);
         publish(0, result.message(time));
+    }
+
+    /// Root mean squares over all pairs of the run, whatever their times: the figures of a single recording, where the mean over time
+    /// of root mean squares over runs would be a mean of absolute errors.
+    void add_axis_scalars(pelorus::ResultBuilder& result) const {
+        const auto axes = static_cast<std::size_t>(pairs_.axes());
+        std::vector<double> squares[2] = {std::vector<double>(axes, 0.0), std::vector<double>(axes, 0.0)};
+        double counts[2] = {0, 0};
+        for (const auto& [time, instant] : pairs_.instants()) {
+            const Pairs pairs = instant.pairs();
+            for (int derivative = 0; derivative < 2; ++derivative) {
+                const Errors errors(pairs, pairs_.axes(), derivative);
+                if (errors.count == 0) continue;
+                counts[derivative] += errors.count;
+                for (std::size_t k = 0; k < axes; ++k)
+                    squares[derivative][k] += errors.count * errors.axis[k] * errors.axis[k];
+            }
+        }
+        for (int derivative = 0; derivative < 2; ++derivative)
+            for (std::size_t k = 0; k < axes; ++k)
+                result.scalar(
+                    of_axis(derivative == 0 ? "position_rms" : "velocity_rms", static_cast<int>(k)),
+                    derivative == 0 ? "m" : "m/s", PLR_REDUCE_ROOT_MEAN_SQUARE,
+                    counts[derivative] > 0 ? std::sqrt(squares[derivative][k] / counts[derivative]) : nothing);
     }
 
     /// One row an instant that has truth.
@@ -188,7 +216,7 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false;
+    bool acceleration_ = false, by_axis_ = false;
     double confidence_ = 0.95;
     std::string frame_;
     pelorus::TruthPairs pairs_;

@@ -221,3 +221,17 @@ TEST_CASE("tracking error: goes on exactly where its saved state left off", "[tr
     CHECK(two.cell(0, "position") == 1);
     CHECK(two.results.cell(0, "nis", "innovations") == 2);
 }
+
+TEST_CASE("tracking error: root mean squares of a whole run, by axis, on request", "[tracking_error]") {
+    Scored run("{by_axis: true}");
+    run.real(0, 9, {0, 0, 0, 1, 0, 0});
+    run.real(1, 9, {1, 0, 0, 1, 0, 0});
+    run.estimate(0, 1, {3, 4, 0, 1, 0, 2});
+    run.estimate(1, 1, {2, 4, 0, 1, 0, 1});
+    CHECK(run.scalar("position_rms.x").value == Approx(std::sqrt((9 + 1) / 2.0)));
+    CHECK(run.scalar("position_rms.y").value == Approx(4));
+    CHECK(run.scalar("position_rms.z").value == 0);
+    CHECK(run.scalar("velocity_rms.z").value == Approx(std::sqrt((4 + 1) / 2.0)));
+    CHECK(run.scalar("velocity_rms.z").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
+    CHECK(std::string(run.scalar("velocity_rms.z").unit) == "m/s");
+}
