@@ -1,6 +1,6 @@
 #include "../../../tests/support/reference.hpp"
 #include "../../../tests/support/sensor_checks.hpp"
-#include "spherical_model.hpp"
+#include "../../common/sensing/spherical_model.hpp"
 
 #include <random>
 
