@@ -34,13 +34,16 @@ public:
                 "Wiley 2001, 5.4.2; X. R. Li, Z. Zhao, V. P. Jilkov, Practical measures and test for credibility of "
                 "an estimator, Workshop on Estimation, Tracking, and Fusion, 2001 (anees)");
         plugin.in_port("tracks", PLR_MESSAGE_TRACKS, "estimates");
-        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is");
+        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is", PLR_PORT_MANY);
         plugin.in_port("innovations", PLR_MESSAGE_VALUES, "normalised innovations squared of a tracker",
                        PLR_PORT_OPTIONAL);
         plugin.out_port("results", PLR_MESSAGE_TABLE, "the tables by_time, acceleration and innovations, at the end");
         plugin.parameter("acceleration", &TrackingError::acceleration_)
             .initially("false")
             .doc("whether errors of the acceleration are told, in a table of their own");
+        plugin.parameter("by_axis", &TrackingError::by_axis_)
+            .initially("false")
+            .doc("whether the root mean square errors of a whole run are told for each axis: position_rms.x, ...");
         plugin.parameter("confidence", &TrackingError::confidence_)
             .initially("0.95")
             .above(0)
@@ -103,7 +106,8 @@ private:
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
-        for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
+        if (by_axis_)
+            for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
@@ -118,7 +122,8 @@ private:
             if (!instant.truth.empty() && index++ >= from_scan_) function(time, instant);
     }
 
-    /// Root mean squares over all pairs of the run: what a single run can tell of its errors.
+    /// Root mean squares over all pairs of the run, whatever their times: the figures of a single recording, where the mean over time
+    /// of root mean squares over runs would be a mean of absolute errors.
     void add_run_errors(pelorus::ResultBuilder& result, int derivative) const {
         const std::string name = derivative == 0 ? "position_rms" : "velocity_rms",
                           unit = derivative == 0 ? "m" : "m/s";
@@ -218,7 +223,7 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false;
+    bool acceleration_ = false, by_axis_ = false;
     double confidence_ = 0.95;
     std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
     std::string frame_;

@@ -27,12 +27,28 @@ void PointTargetTracker::setup(const pelorus::Setup& setup) {
             if (models_.velocity(axis) < 0)
                 throw pelorus::PartError("estimator", "has no velocity on every axis, which start: two_point needs");
     }
+    if (association == Association::joint) check_joint();
     gating_.setup(maximum_speed);
     tracks_.setup(models_.record_size());
     frame_ = setup.frame();
     message_.emplace(frame_, models_.cartesian());
     diagnostics_ = setup.optional_service<plr_diagnostics>();
     log_ = setup.optional_service<plr_log>();
+}
+
+void PointTargetTracker::check_joint() const {
+    if (!models_.can_mix())
+        throw pelorus::PartError("estimator", "cannot mix hypotheses (it has no extension " PLR_ESTIMATOR_MIX
+                                              "), which association: joint needs");
+    if (!clutter_density) return;
+    const std::vector<SensorModel>& sensors = models_.sensors();
+    const pelorus::Space first(*sensors.front().part.info().measurement);
+    for (const SensorModel& sensor : sensors)
+        if (const pelorus::Space space(*sensor.part.info().measurement); space.text() != first.text())
+            throw pelorus::ParameterError("clutter_density",
+                                          "sensors " + sensors.front().name + " and " + sensor.name +
+                                              " measure different components, so that no one density suits both; "
+                                              "left out, it is estimated from each scan");
 }
 
 std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) const {
@@ -70,7 +86,10 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     outcomes_.assign(tracks_.size(), Outcome{});
     taken_.assign(detections_.size(), 0);
     gating_.run(models_, tracks_, detections_, scan_time_, predicts_all());
-    associate_tracks(true);
+    if (association == Association::joint)
+        associate_jointly();
+    else
+        associate_tracks(true);
     associate_tracks(false);
     associate_points();
     update_tracks();
@@ -107,16 +126,57 @@ bool PointTargetTracker::predicts_all() {
     return true;
 }
 
-/// Confirmed tracks choose first, so that a track that is a false alarm takes nothing from them.
-void PointTargetTracker::associate_tracks(bool confirmed) {
+/// Gated pairs of confirmed or of tentative tracks with detections that nobody has taken yet.
+std::vector<GatedPair> PointTargetTracker::free_pairs(bool confirmed) const {
     std::vector<GatedPair> pairs;
     for (const GatedPair& pair : gating_.pairs())
         if (tracks_[pair.track].confirmed() == confirmed && taken_[pair.detection] == 0) pairs.push_back(pair);
+    return pairs;
+}
+
+/// Confirmed tracks choose first, so that a track that is a false alarm takes nothing from them.
+void PointTargetTracker::associate_tracks(bool confirmed) {
+    const std::vector<GatedPair> pairs = free_pairs(confirmed);
     if (pairs.empty()) return;
     for (const std::size_t i : associate(pairs, detections_.sensor->gate)) {
-        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false};
+        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false, none};
         taken_[pairs[i].detection] = 1;
     }
+}
+
+/// Confirmed tracks share the detections. One that is more probably some confirmed track's than nobody's is taken.
+void PointTargetTracker::associate_jointly() {
+    joint_.clear();
+    const std::vector<GatedPair> pairs = free_pairs(true);
+    if (pairs.empty()) return;
+    const SensorModel& sensor = *detections_.sensor;
+    assignment::DetectionModel model{detection_probability, gate_probability, 0};
+    model.clutter_density = clutter_density
+                                ? *clutter_density
+                                : estimated_clutter_density(pairs, sensor, detection_probability, gate_probability);
+    std::vector<assignment::LikelihoodRatio> ratios;
+    for (const GatedPair& pair : pairs)
+        ratios.push_back({pair.track, pair.detection,
+                          assignment::log_detection_ratio(pair.distance, pair.log_determinant, sensor.m, model)});
+    const assignment::JointWeights weights = assignment::associate_jointly(ratios, tracks_.size(), most_joint_events);
+    count("dropped_pairs", weights.dropped);
+    count("numeric_failures", joint_.run(models_, gating_, detections_, pairs, weights, tracks_));
+    std::vector<double> owned(detections_.size(), 0.0);
+    for (std::size_t k = 0; k < joint_.tracks().size(); ++k) {
+        const MixedTrack& mixed = joint_.tracks()[k];
+        Outcome& outcome = outcomes_[mixed.track];
+        outcome.mixture = k;
+        for (const Share& share : mixed.shares) owned[share.detection] += share.weight;
+        if (!mixed.seen()) continue;
+        outcome.detection = mixed.likeliest().detection;
+        outcome.distance = mixed.likeliest().distance;
+    }
+    for (std::size_t j = 0; j < owned.size(); ++j) taken_[j] = owned[j] > 0.5 ? 1 : 0;
+}
+
+/// The time that the record of an updated track stands at.
+std::int64_t PointTargetTracker::record_time(const Outcome& outcome) const {
+    return outcome.mixture != none ? joint_.tracks()[outcome.mixture].time : detections_.times[outcome.detection];
 }
 
 /// Single points find their second one among the detections that are left.
@@ -226,7 +286,7 @@ void PointTargetTracker::add_track(std::size_t detection, const double* record) 
     if (record == nullptr) track.covariance = place_covariance(detections_, detection);
     track.hits = track.scans = 0;  // settle() counts this scan
     tracks_.add(track, record);
-    outcomes_.push_back({detection, none, 0, false, false});
+    outcomes_.push_back({detection, none, 0, false, false, none});
     count("tracks_started", 1);
 }
 
@@ -239,7 +299,7 @@ void PointTargetTracker::settle() {
         if (outcome.hit()) {
             ++track.hits;
             track.misses = 0;
-            track.time = track.seen = detections_.times[outcome.detection];
+            track.time = track.seen = record_time(outcome);
             const std::int32_t before = track.status;
             if (track.confirmed() || (track.hits >= start_confirm && track.has_record))
                 track.status = PLR_TRACK_CONFIRMED;
@@ -260,6 +320,7 @@ void PointTargetTracker::settle_miss(std::size_t t) {
         outcome.removed = true;
         return;
     }
+    if (outcome.mixture != none) track.time = record_time(outcome);
     if (!counts_scans()) return;
     ++track.misses;
     if (track.status == PLR_TRACK_CONFIRMED) {
@@ -267,7 +328,7 @@ void PointTargetTracker::settle_miss(std::size_t t) {
         outcome.changed = true;
     }
     const std::size_t prediction = gating_.at_scan_time(t);
-    if (prediction == none) return;
+    if (prediction == none || outcome.mixture != none) return;
     const double* record = gating_.predicted(prediction);
     std::copy(record, record + models_.record_size(), tracks_.record(t));
     track.time = scan_time_;
@@ -289,9 +350,10 @@ void PointTargetTracker::summarise() {
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
         const Track& track = tracks_[t];
         const Outcome& outcome = outcomes_[t];
+        const bool mixed = outcome.mixture != none;
         const std::size_t ahead =
-            !outcome.hit() && !outcome.removed && track.time < scan_time_ ? gating_.at_scan_time(t) : none;
-        const bool judged = maximum_deviation && !outcome.hit() && (ahead != none || track.time == scan_time_);
+            !outcome.hit() && !mixed && !outcome.removed && track.time < scan_time_ ? gating_.at_scan_time(t) : none;
+        const bool judged = maximum_deviation && !outcome.hit() && (ahead != none || mixed || track.time == scan_time_);
         if (!track.has_record || !(outcome.hit() || is_published(t) || judged)) continue;
         const double* record = ahead == none ? tracks_.record(t) : gating_.predicted(ahead);
         wanted_.push_back({t, ahead == none ? track.time : scan_time_});
@@ -336,6 +398,7 @@ bool PointTargetTracker::is_published(std::size_t t) const {
 void PointTargetTracker::publish_tracks(std::int64_t time) {
     message_->clear();
     innovations_.clear();
+    weights_.clear();
     const auto c = static_cast<std::size_t>(models_.cartesian().size());
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
         const std::size_t t = wanted_[i].track;
@@ -351,17 +414,32 @@ void PointTargetTracker::publish_tracks(std::int64_t time) {
         entry.misses = track.misses;
         entry.mean = means_.data() + i * c;
         entry.covariance = covariances_.data() + i * c * c;
-        if (outcome.hit()) {
-            entry.measurements = {detections_.ids[outcome.detection]};
-            entry.distances = {outcome.distance};
-            // What starts a track was predicted by nothing.
-            if (outcome.prediction != none) innovations_.add(track.id, outcome.distance, detections_.sensor->m);
-        }
+        tell_measurements(outcome, track.id, entry);
         message_->add(entry);
         track.told = true;
     }
-    publish(tracks_out, message_->message(time));
+    plr_message told = message_->message(time);
+    plr_tracks tracks = *told.body.tracks;
+    if (association == Association::joint) tracks.measurement_weights = weights_.data();
+    told.body.tracks = &tracks;
+    publish(tracks_out, told);
     if (innovations_.count() > 0) publish(innovations_out, innovations_.message(time));
+}
+
+/// What starts a track was predicted by nothing, so that it has no innovation.
+void PointTargetTracker::tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry) {
+    const bool mixed = outcome.mixture != none;
+    if (outcome.hit() && (mixed || outcome.prediction != none))
+        innovations_.add(id, outcome.distance, detections_.sensor->m);
+    const auto tell = [&](const Share& share) {
+        entry.measurements.push_back(detections_.ids[share.detection]);
+        entry.distances.push_back(share.distance);
+        weights_.push_back(share.weight);
+    };
+    if (mixed)
+        for (const Share& share : joint_.tracks()[outcome.mixture].shares) tell(share);
+    else if (outcome.hit())
+        tell({outcome.detection, outcome.distance, 1});
 }
 
 void PointTargetTracker::count(const char* name, std::size_t by) const {
