@@ -17,7 +17,7 @@ void Composite::describe(pelorus::Describe<Composite>& plugin) {
         .source(
             "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley "
             "2001, "
-            "6.3.1 (motions uncoupled across coordinates)");
+            "chapter 6 (motions uncoupled across coordinates)");
     plugin
         .slot("motions", "motion", 1, -1,
               "what is joined; their states are Cartesian, and no component may stand in two of them")
