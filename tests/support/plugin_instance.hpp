@@ -129,6 +129,7 @@ public:
     struct Filled {
         std::string slot, name;
         const Instance* part;
+        Values values = {};  ///< of the parameters that the slot declares
     };
 
     Instance(const std::string& kind, const std::string& name, const Values& values = {},
@@ -144,7 +145,7 @@ public:
             known += values.count(description.parameters[i].name);
         }
         if (known != values.size()) throw std::runtime_error("a parameter is not known");
-        for (const Filled& filled : slots_) parts_.push_back(filled.part->as_part(filled.slot, filled.name));
+        for (const Filled& filled : slots_) parts_.push_back(filled_part(description, filled));
         host_ = {sizeof host_, PLR_ABI_MAJOR, PLR_ABI_MINOR, "test", nullptr, &detail::no_service};
         config_.struct_size = sizeof config_;
         config_.address = "test";
@@ -176,10 +177,28 @@ public:
     }
 
 private:
+    /// The part with the values of the slot's parameters.
+    plr_part filled_part(const plr_description& description, const Filled& filled) {
+        plr_part part = filled.part->as_part(filled.slot, filled.name);
+        for (std::uint32_t i = 0; i < description.slot_count; ++i) {
+            const plr_slot& slot = description.slots[i];
+            if (filled.slot != slot.name || slot.parameter_count == 0) continue;
+            auto& raw = *slot_values_.emplace_back(std::make_unique<std::vector<plr_value>>());
+            for (std::uint32_t p = 0; p < slot.parameter_count; ++p) {
+                values_.push_back(std::make_unique<detail::Value>(slot.parameters[p], filled.values));
+                raw.push_back(values_.back()->raw);
+            }
+            part.values = raw.data();
+            part.value_count = slot.parameter_count;
+        }
+        return part;
+    }
+
     const plr_plugin& plugin_;
     std::vector<Filled> slots_;
     std::vector<std::unique_ptr<detail::Value>> values_;
     std::vector<plr_value> raw_values_;
+    std::vector<std::unique_ptr<std::vector<plr_value>>> slot_values_;
     std::vector<plr_part> parts_;
     plr_host host_{};
     plr_config config_{};

@@ -1,5 +1,5 @@
 // motion.constant_acceleration: flight at an acceleration that white jerk disturbs. See README.md.
-#include "constant_acceleration_model.hpp"
+#include "../../common/axis_models/constant_acceleration.hpp"
 
 #include <optional>
 

@@ -1,6 +1,5 @@
-#include "../../../tests/support/motion_checks.hpp"
-#include "../../../tests/support/reference.hpp"
-#include "constant_acceleration_model.hpp"
+#include "../../common/axis_models/constant_acceleration.hpp"
+#include "../../../tests/support/waveform_trace.hpp"
 
 using namespace test_support;
 
@@ -51,4 +50,10 @@ TEST_CASE("constant acceleration orders positions, velocities, accelerations", "
     CHECK(std::string(motion.component(8).name) == "acceleration.z");
     CHECK(std::string(motion.component(8).unit) == "m/s2");
     CHECK(motion.component(8).prior_deviation == 2.0);
+}
+
+TEST_CASE("constant acceleration by increments follows the reference's noise-free run", "[motion]") {
+    const Instance instance("motion", "constant_acceleration",
+                            {{"dimension", "2"}, {"form", "discrete"}, {"acceleration", "1 m/s2"}});
+    check_waveform_trace(instance, "CA1");
 }

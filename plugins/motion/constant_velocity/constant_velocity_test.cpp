@@ -63,6 +63,50 @@ TEST_CASE("constant velocity names its components and what is taken for the unkn
     CHECK(motion.component(2).prior_deviation == 15.0);
 }
 
+TEST_CASE("constant velocity among accelerations moves by velocity alone and draws the acceleration anew", "[motion]") {
+    const Instance instance("motion", "constant_velocity",
+                            {{"dimension", "2"},
+                             {"form", "discrete"},
+                             {"acceleration", "0.1 m/s2"},
+                             {"acceleration_deviation", "0.001 m/s2"}});
+    const MotionUnderTest motion(instance);
+    REQUIRE(motion.size() == 6);
+    CHECK(std::string(motion.component(5).name) == "acceleration.y");
+    CHECK(motion.component(5).prior_deviation == 0.001);
+    Eigen::VectorXd x(6), expected(6);
+    x << 1.0, 2.0, 10.0, -20.0, 5.0, 7.0;
+    expected << 21.0, -38.0, 10.0, -20.0, 0.0, 0.0;
+    CHECK(motion.propagate(2.0, x) == expected);
+    // 0.1^2 h h' with h = [T^2/2; T], and 1e-6 on the acceleration.
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(6, 6);
+    for (int axis = 0; axis < 2; ++axis) {
+        q(axis, axis) = q(2 + axis, 2 + axis) = 0.04;
+        q(axis, 2 + axis) = q(2 + axis, axis) = 0.04;
+        q(4 + axis, 4 + axis) = 1e-6;
+    }
+    CHECK(relative_difference(motion.noise(2.0), q) < 1e-15);
+    CHECK(motion.factor(2.0).cols() == 4);
+}
+
+TEST_CASE("constant velocity among accelerations keeps what its flags and extensions promise", "[motion]") {
+    for (const char* const dimension : {"1", "2", "3"}) {
+        for (const char* const form : {"continuous", "discrete"}) {
+            const Instance instance("motion", "constant_velocity",
+                                    {{"dimension", dimension}, {"form", form}, {"acceleration_deviation", "2 m/s2"}});
+            const MotionUnderTest motion(instance);
+            check_linear_motion(motion, 0.7, 2.3);
+            CHECK((motion.flags() & PLR_MOTION_BACKWARD) == 0);
+            CHECK(motion.structure() != nullptr);
+            CHECK(motion.jacobian(0.0).isIdentity(0.0));
+            CHECK(motion.noise(0.0).isZero(0.0));
+        }
+    }
+    const Instance uneven("motion", "constant_velocity",
+                          {{"dimension", "2"}, {"noise", "[1, 4]"}, {"acceleration_deviation", "2 m/s2"}});
+    CHECK(MotionUnderTest(uneven).structure() == nullptr);
+    check_linear_motion(MotionUnderTest(uneven), 0.7, 2.3);
+}
+
 TEST_CASE("constant velocity refuses parameters that do not belong together", "[motion]") {
     const auto refused = [](const Values& values) {
         try {

@@ -1,5 +1,5 @@
 // motion.singer: flight under accelerations that last for a while and fade. See README.md.
-#include "singer_model.hpp"
+#include "../../common/axis_models/singer.hpp"
 
 #include <optional>
 

@@ -1,7 +1,7 @@
+#include "../../common/axis_models/singer.hpp"
 #include "../../../tests/support/motion_checks.hpp"
 #include "../../../tests/support/reference.hpp"
-#include "../constant_acceleration/constant_acceleration_model.hpp"
-#include "singer_model.hpp"
+#include "../../common/axis_models/constant_acceleration.hpp"
 
 using namespace test_support;
 

@@ -19,6 +19,75 @@
 
 namespace pelorus {
 
+/// block (x) diag(weights): what acts on every axis alike, but for a weight. `block` is square, derivative by derivative.
+template <int B, int D> Matrix<B * D> on_axes(const Matrix<B>& block, const Vector<D>& weights) {
+    Matrix<B* D> full = Matrix<B * D>::Zero();
+    for (int r = 0; r < B; ++r)
+        for (int c = 0; c < B; ++c)
+            for (int axis = 0; axis < D; ++axis) full(r * D + axis, c * D + axis) = block(r, c) * weights(axis);
+    return full;
+}
+
+/// The same for a column: g (x) diag(weights), a column an axis.
+template <int B, int D> Matrix<B * D, D> column_on_axes(const Vector<B>& g, const Vector<D>& weights) {
+    Matrix<B * D, D> full = Matrix<B * D, D>::Zero();
+    for (int r = 0; r < B; ++r)
+        for (int axis = 0; axis < D; ++axis) full(r * D + axis, axis) = g(r) * weights(axis);
+    return full;
+}
+
+namespace detail {
+
+/// What noise and its factor are told of item i; not numbers where the model has said that it reads none of it.
+template <class Model> typename Model::Posterior posterior_of(const plr_motion_noise& args, std::int64_t i) {
+    constexpr int n = Model::state_size;
+    typename Model::Posterior posterior;
+    if constexpr ((Model::flags & PLR_MOTION_CONSTANT_NOISE) != 0) {
+        posterior.mean.setConstant(not_a_number);
+        posterior.covariance.setConstant(not_a_number);
+        posterior.predicted.setConstant(not_a_number);
+    } else {
+        posterior.mean = load<n, 1>(args.state, i);
+        posterior.covariance = load<n, n>(args.covariance, i);
+        posterior.predicted = load<n, 1>(args.predicted, i);
+    }
+    return posterior;
+}
+
+template <class Model, int Columns>
+plr_status noise_factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
+    return guarded(call->error, [&] {
+        constexpr int n = Model::state_size;
+        const auto& model = *static_cast<const Model*>(self);
+        const std::int64_t count = args->out.count;
+        expect(args->dt, 1, 1, count, "dt");
+        if constexpr (Model::record_size > 0) expect(args->record, Model::record_size, 1, count, "record");
+        if constexpr ((Model::flags & PLR_MOTION_CONSTANT_NOISE) == 0) {
+            expect(args->state, n, 1, count, "state");
+            expect(args->covariance, n, n, count, "covariance");
+            expect(args->predicted, n, 1, count, "predicted");
+        }
+        expect(args->out, n, Columns, count, "out");
+        return for_items(*call, count, [&](std::int64_t i) {
+            const Step step = step_of(*call, args->dt, args->record, i);
+            if ((Model::flags & PLR_MOTION_BACKWARD) == 0 && step.dt < 0)
+                throw UnsupportedError("cannot move backward in time (dt < 0)");
+            const Matrix<n, Columns> factor = model.noise_factor(posterior_of<Model>(*args, i), step);
+            store<n, Columns>(args->out, i, factor);
+        });
+    });
+}
+
+}  // namespace detail
+
+/// The extension PLR_MOTION_NOISE_FACTOR of a model that has a member
+///     Matrix<N, Columns> noise_factor(const Posterior&, const Step&) const;      // G, with Q = G G'
+template <class Model, int Columns> const plr_motion_noise_factor* noise_factor_extension() noexcept {
+    static constexpr plr_motion_noise_factor factor{sizeof(plr_motion_noise_factor), Columns,
+                                                    &detail::noise_factor_entry<Model, Columns>};
+    return &factor;
+}
+
 /// B derivatives (position first), D axes.
 template <class Derived, int B, int D> class AxisMotion : public KroneckerMotion<Derived, B, D> {
     using Base = KroneckerMotion<Derived, B, D>;
@@ -36,44 +105,20 @@ public:
     Block noise_block(double dt) const { return this->derived().unit_noise(dt) * intensity(0); }
 
     Transition noise(const Posterior&, const Step& step) const {
-        const Block unit = this->derived().unit_noise(step.dt);
-        Transition full = Transition::Zero();
-        for (int r = 0; r < B; ++r)
-            for (int c = 0; c < B; ++c)
-                for (int axis = 0; axis < D; ++axis) full(r * D + axis, c * D + axis) = unit(r, c) * intensity(axis);
-        return full;
+        return on_axes<B, D>(this->derived().unit_noise(step.dt), intensity);
+    }
+    /// G = g (x) diag(sqrt(intensity)), of a rank-one model.
+    Matrix<B * D, D> noise_factor(const Posterior&, const Step& step) const {
+        const Vector<B> unit = this->derived().unit_factor(step.dt);
+        return column_on_axes<B, D>(unit, Vector<D>(intensity.cwiseSqrt()));
     }
 
     const void* extension(const char* id) const noexcept {
         if (std::strcmp(id, PLR_MOTION_STRUCTURE) == 0 && intensity != Vector<D>::Constant(intensity(0)))
             return nullptr;
-        if constexpr (Derived::rank_one) {
-            static constexpr plr_motion_noise_factor factor{sizeof(plr_motion_noise_factor), D, &factor_entry};
-            if (std::strcmp(id, PLR_MOTION_NOISE_FACTOR) == 0) return &factor;
-        }
+        if constexpr (Derived::rank_one)
+            if (std::strcmp(id, PLR_MOTION_NOISE_FACTOR) == 0) return noise_factor_extension<Derived, D>();
         return Base::extension(id);
-    }
-
-private:
-    /// G = g (x) diag(sqrt(intensity)).
-    static plr_status factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
-        return guarded(call->error, [&] {
-            const auto& model = *static_cast<const Derived*>(self);
-            const std::int64_t count = args->out.count;
-            expect(args->dt, 1, 1, count, "dt");
-            expect(args->out, B * D, D, count, "out");
-            return for_items(*call, count, [&](std::int64_t i) {
-                const double dt = args->dt.data[i * args->dt.item_stride];
-                if ((Derived::flags & PLR_MOTION_BACKWARD) == 0 && dt < 0)
-                    throw UnsupportedError("cannot move backward in time (dt < 0)");
-                const Vector<B> unit = model.unit_factor(dt);
-                Matrix<B * D, D> full = Matrix<B * D, D>::Zero();
-                for (int r = 0; r < B; ++r)
-                    for (int axis = 0; axis < D; ++axis)
-                        full(r * D + axis, axis) = unit(r) * std::sqrt(model.intensity(axis));
-                store<B * D, D>(args->out, i, full);
-            });
-        });
     }
 };
 
