@@ -10,19 +10,23 @@
 
 namespace kinematics {
 
-/// Q = [T^3/3 T^2/2; T^2/2 T] (m2, m2/s, m2/s2), T = |dt|, of white acceleration of spectral density 1 m2/s3.
+/// Q = [T^3/3 T^2/2; T^2/2 T] (m2, m2/s, m2/s2) of white acceleration of spectral density 1 m2/s3 on one axis. For dt < 0 that of the
+/// state as it was, given the state as it is, in straight flight: F(dt) Q(-dt) F(dt)', F = [1 T; 0 1].
 inline pelorus::Matrix<2> white_acceleration(double dt) {
     const double span = std::fabs(dt);
     pelorus::Matrix<2> q;
-    q << span * span * span / 3.0, span * span / 2.0, span * span / 2.0, span;
+    q << span * span * span / 3.0, span * dt / 2.0, span * dt / 2.0, span;
     return q;
 }
 
-/// Adds Q on every axis to a covariance that begins with D positions and D velocities. `unit` is Q of one axis for intensity 1.
-template <int D, int N>
-void add_per_axis(const pelorus::Matrix<2>& unit, const pelorus::Vector<D>& intensity, pelorus::Matrix<N>& out) {
-    for (int row = 0; row < 2; ++row)
-        for (int col = 0; col < 2; ++col)
+/// g = [T^2/2; T], Q = g g', of an acceleration that is constant over the step and has a deviation of 1 m/s2; dt < 0 as above.
+inline pelorus::Vector<2> steady_acceleration(double dt) { return {std::fabs(dt) * dt / 2.0, std::fabs(dt)}; }
+
+/// Adds Q on every axis to a covariance that begins with B derivatives of D axes. `unit` is Q of one axis for intensity 1.
+template <int B, int D, int N>
+void add_per_axis(const pelorus::Matrix<B>& unit, const pelorus::Vector<D>& intensity, pelorus::Matrix<N>& out) {
+    for (int row = 0; row < B; ++row)
+        for (int col = 0; col < B; ++col)
             for (int axis = 0; axis < D; ++axis)
                 out(row * D + axis, col * D + axis) += unit(row, col) * intensity(axis);
 }

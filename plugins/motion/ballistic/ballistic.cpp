@@ -2,6 +2,7 @@
 #include "flight.hpp"
 
 #include "../../common/kinematics/white_acceleration.hpp"
+#include "../../common/variants/variants.hpp"
 
 #include <optional>
 
@@ -122,16 +123,11 @@ template <Drag drag_> struct Model : pelorus::Motion<Model<drag_>, drag_ == Drag
         pelorus::Matrix<2> unit = kinematics::white_acceleration(step.dt);
         double intensity = density.value_or(0.01);
         if (deviation) {
-            const pelorus::Vector<2> g(step.dt * step.dt / 2.0, std::fabs(step.dt));
+            const pelorus::Vector<2> g = kinematics::steady_acceleration(step.dt);
             unit = g * g.transpose();
             intensity = *deviation * *deviation;
         }
-        if (step.dt < 0) {  // F(dt) Q(-dt) F(dt)' of straight flight
-            pelorus::Matrix<2> back = pelorus::Matrix<2>::Identity();
-            back(0, 1) = step.dt;
-            unit = kinematics::carried_back<2>(back, unit);
-        }
-        kinematics::add_per_axis<3>(unit, pelorus::Vector<3>(pelorus::Vector<3>::Constant(intensity)), q);
+        kinematics::add_per_axis(unit, pelorus::Vector<3>(pelorus::Vector<3>::Constant(intensity)), q);
         if (size > 6) q(size - 1, size - 1) = drag_noise.value_or(1e-4) * std::fabs(step.dt);
         return q;
     }
@@ -221,18 +217,16 @@ template <Drag drag_> void Model<drag_>::describe(pelorus::Describe<Model>& plug
 }
 
 /// Chooses the class by what is made of drag.
-struct Ballistic {
-    using Default = Model<Drag::none>;
-    static constexpr const char* kind = Default::kind;
-    static constexpr const char* table_id = Default::table_id;
-    static constexpr const char* version = Default::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Default>::of(id).c(); }
+struct Ballistic : variants::Variants<Model<Drag::none>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        Default chosen;
-        pelorus::Describe<Default>::of().bind(chosen, setup.raw());
-        if (chosen.drag == Drag::none) return pelorus::instantiate<Default>(setup);
-        return chosen.drag == Drag::known ? pelorus::instantiate<Model<Drag::known>>(setup)
-                                          : pelorus::instantiate<Model<Drag::estimated>>(setup);
+        switch (parameters(setup).drag) {
+            case Drag::none:
+                return pelorus::instantiate<Model<Drag::none>>(setup);
+            case Drag::known:
+                return pelorus::instantiate<Model<Drag::known>>(setup);
+            default:
+                return pelorus::instantiate<Model<Drag::estimated>>(setup);
+        }
     }
 };
 

@@ -54,10 +54,7 @@ private:
     }
     static Transition spread(const Matrix<3>& block, const Vector<3>& factor) {
         Transition out = Transition::Zero();
-        for (int row = 0; row < 3; ++row)
-            for (int col = 0; col < 3; ++col)
-                for (int axis = 0; axis < 3; ++axis)
-                    out(row * 3 + axis, col * 3 + axis) = block(row, col) * factor(axis);
+        kinematics::add_per_axis(block, factor, out);
         return out;
     }
 };

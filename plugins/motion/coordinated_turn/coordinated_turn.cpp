@@ -2,6 +2,7 @@
 #include "coordinated_turn_model.hpp"
 
 #include "../../common/kinematics/white_acceleration.hpp"
+#include "../../common/variants/variants.hpp"
 
 #include <optional>
 
@@ -69,7 +70,7 @@ template <int D, bool estimated> struct Model : pelorus::Motion<Model<D, estimat
     }
     Transition noise(const Posterior& posterior, const pelorus::Step& step) const {
         Transition q = Transition::Zero();
-        kinematics::add_per_axis<D>(kinematics::white_acceleration(step.dt), intensity, q);
+        kinematics::add_per_axis(kinematics::white_acceleration(std::fabs(step.dt)), intensity, q);
         if (estimated) q(size - 1, size - 1) = rate_density.value_or(1e-4) * std::fabs(step.dt);
         return step.dt < 0 ? kinematics::carried_back<size>(jacobian(posterior.mean, step), q) : q;
     }
@@ -120,15 +121,9 @@ template <int D, bool estimated> void Model<D, estimated>::describe(pelorus::Des
 }
 
 /// Chooses the class by dimension and by what is known.
-struct CoordinatedTurn {
-    using Default = Model<3, true>;
-    static constexpr const char* kind = Default::kind;
-    static constexpr const char* table_id = Default::table_id;
-    static constexpr const char* version = Default::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Default>::of(id).c(); }
+struct CoordinatedTurn : variants::Variants<Model<3, true>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        Default chosen;
-        pelorus::Describe<Default>::of().bind(chosen, setup.raw());
+        const auto chosen = parameters(setup);
         const bool known = chosen.turn_rate.has_value();
         if (chosen.dimension == 2)
             return known ? pelorus::instantiate<Model<2, false>>(setup) : pelorus::instantiate<Model<2, true>>(setup);

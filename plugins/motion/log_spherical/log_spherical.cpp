@@ -2,6 +2,7 @@
 #include "log_spherical_model.hpp"
 
 #include "../../common/kinematics/white_acceleration.hpp"
+#include "../../common/variants/variants.hpp"
 
 #include <pelorus/axis_motion.hpp>
 
@@ -47,13 +48,8 @@ template <int D> struct Model : pelorus::Motion<Model<D>, 2 * D>, Parameters {
     /// Of Cartesian white acceleration, carried to the coordinates at the predicted state.
     Transition noise(const Posterior& posterior, const pelorus::Step& step) const {
         Transition q = Transition::Zero(), out;
-        kinematics::add_per_axis<D>(kinematics::white_acceleration(step.dt),
-                                    pelorus::Vector<D>(pelorus::Vector<D>::Constant(density)), q);
-        if (step.dt < 0) {
-            Transition back = Transition::Identity();
-            back.template topRightCorner<D, D>().diagonal().setConstant(step.dt);
-            q = kinematics::carried_back<size>(back, q);
-        }
+        kinematics::add_per_axis(kinematics::white_acceleration(step.dt),
+                                 pelorus::Vector<D>(pelorus::Vector<D>::Constant(density)), q);
         pelorus::small::symmetric_product(flat(log_spherical::from_cartesian_jacobian(full(posterior.predicted))), q,
                                           out);
         return out;
@@ -140,15 +136,10 @@ template <int D> void Model<D>::describe(pelorus::Describe<Model>& plugin) {
     pelorus::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity);
 }
 
-struct LogSpherical {
-    static constexpr const char* kind = Model<3>::kind;
-    static constexpr const char* table_id = Model<3>::table_id;
-    static constexpr const char* version = Model<3>::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Model<3>>::of(id).c(); }
+struct LogSpherical : variants::Variants<Model<3>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        Model<3> chosen;
-        pelorus::Describe<Model<3>>::of().bind(chosen, setup.raw());
-        return chosen.dimension == 2 ? pelorus::instantiate<Model<2>>(setup) : pelorus::instantiate<Model<3>>(setup);
+        return parameters(setup).dimension == 2 ? pelorus::instantiate<Model<2>>(setup)
+                                                : pelorus::instantiate<Model<3>>(setup);
     }
 };
 
