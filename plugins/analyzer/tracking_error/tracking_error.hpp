@@ -41,9 +41,6 @@ public:
         plugin.parameter("acceleration", &TrackingError::acceleration_)
             .initially("false")
             .doc("whether errors of the acceleration are told, in a table of their own");
-        plugin.parameter("by_axis", &TrackingError::by_axis_)
-            .initially("false")
-            .doc("whether the root mean square errors of a whole run are told for each axis: position_rms.x, ...");
         plugin.parameter("confidence", &TrackingError::confidence_)
             .initially("0.95")
             .above(0)
@@ -106,8 +103,7 @@ private:
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
-        if (by_axis_)
-            for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
+        for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
@@ -122,8 +118,7 @@ private:
             if (!instant.truth.empty() && index++ >= from_scan_) function(time, instant);
     }
 
-    /// Root mean squares over all pairs of the run, whatever their times: the figures of a single recording, where the mean over time
-    /// of root mean squares over runs would be a mean of absolute errors.
+    /// Root mean squares over all pairs of the run: what a single run can tell of its errors.
     void add_run_errors(pelorus::ResultBuilder& result, int derivative) const {
         const std::string name = derivative == 0 ? "position_rms" : "velocity_rms",
                           unit = derivative == 0 ? "m" : "m/s";
@@ -223,7 +218,7 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false, by_axis_ = false;
+    bool acceleration_ = false;
     double confidence_ = 0.95;
     std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
     std::string frame_;

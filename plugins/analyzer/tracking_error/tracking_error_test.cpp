@@ -244,7 +244,7 @@ TEST_CASE("tracking error: nees counts as many derivatives as it is asked for", 
 }
 
 TEST_CASE("tracking error: a single run tells its root mean squares over time", "[tracking_error]") {
-    Scored run("{by_axis: true}");
+    Scored run;
     for (int k = 0; k < 2; ++k) run.real(k, 9, {0, 0, 0, 0, 0, 0});
     run.estimate(0, 1, {3, 0, 0, 0, 0, 1});
     run.estimate(1, 1, {-5, 4, 0, 0, 0, 7});
@@ -253,18 +253,4 @@ TEST_CASE("tracking error: a single run tells its root mean squares over time", 
     CHECK(run.scalar("position_rms").value == Approx(5));
     CHECK(run.scalar("velocity_rms.z").value == Approx(5));
     CHECK(run.scalar("position_rms").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
-}
-
-TEST_CASE("tracking error: root mean squares of a whole run, by axis, on request", "[tracking_error]") {
-    Scored run("{by_axis: true}");
-    run.real(0, 9, {0, 0, 0, 1, 0, 0});
-    run.real(1, 9, {1, 0, 0, 1, 0, 0});
-    run.estimate(0, 1, {3, 4, 0, 1, 0, 2});
-    run.estimate(1, 1, {2, 4, 0, 1, 0, 1});
-    CHECK(run.scalar("position_rms.x").value == Approx(std::sqrt((9 + 1) / 2.0)));
-    CHECK(run.scalar("position_rms.y").value == Approx(4));
-    CHECK(run.scalar("position_rms.z").value == 0);
-    CHECK(run.scalar("velocity_rms.z").value == Approx(std::sqrt((4 + 1) / 2.0)));
-    CHECK(run.scalar("velocity_rms.z").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
-    CHECK(std::string(run.scalar("velocity_rms.z").unit) == "m/s");
 }

@@ -94,13 +94,13 @@ private:
 
     bool header_;
     TimeFormat time_format_;
+    std::optional<int> object_;
     CsvReader reader_;
     std::vector<std::string> names_;
     const ColumnPlan plan_;
     const GeodeticFrame& geodetic_;
     Source time_;
     std::optional<Source> identity_;
-    std::optional<int> object_;
     std::vector<Wanted> select_;
     std::vector<Source> measured_, true_position_, true_velocity_;
     std::optional<Source> true_speed_, true_course_;
