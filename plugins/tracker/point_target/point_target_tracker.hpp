@@ -29,7 +29,7 @@ class PointTargetTracker : public pelorus::Stage<PointTargetTracker>, public Par
 public:
     static constexpr const char* kind = "tracker";
     enum InPort : std::uint32_t { scans, inputs };
-    enum OutPort : std::uint32_t { tracks_out, innovations_out };
+    enum OutPort : std::uint32_t { tracks_out, innovations_out, smoothed_out };
 
     static void describe(pelorus::Describe<PointTargetTracker>& plugin);
     void setup(const pelorus::Setup& setup);
@@ -61,6 +61,7 @@ private:
         double distance = 0;
         bool changed = false;  ///< of another status than before
         bool removed = false;
+        bool moved = false;  ///< to another time than before
         bool hit() const noexcept { return detection != none; }
     };
     /// A track of which mean and covariance are wanted, and where they come from.
@@ -74,6 +75,7 @@ private:
     void associate_tracks(bool confirmed);
     void associate_points();
     void update_tracks();
+    void bring_forward(const std::vector<std::size_t>& tracks, std::vector<double>& records, Failures& failed);
     void start_tracks();
     void add_track(std::size_t detection, const double* record);
     void settle();
@@ -83,6 +85,7 @@ private:
     void remember(std::size_t track, const double* mean, const double* covariance);
     bool is_published(std::size_t track) const;
     void publish_tracks(std::int64_t time);
+    void publish_smoothed(std::int64_t time);
 
     bool counts_scans() const noexcept { return misses == Misses::per_scan && !late_; }
     void count(const char* name, std::size_t by) const;
