@@ -89,11 +89,17 @@ Json values_for(const Json& parameters, bool with_defaults) {
 
 }  // namespace
 
+/// Those that stand by themselves first, then those that hold others of their kind.
 Json ExampleMaker::fill(const Json& slot, Chain& chain) const {
-    for (const Json& plugin : plugins_) {
-        if (plugin["kind"] != slot["kind"]) continue;
-        Json found = part(plugin, &slot, chain);
-        if (!found.is_null()) return found;
+    for (const bool holds_its_kind : {false, true}) {
+        for (const Json& plugin : plugins_) {
+            if (plugin["kind"] != slot["kind"]) continue;
+            const auto is_of_kind = [&](const Json& own) { return own["kind"] == plugin["kind"]; };
+            const Json& slots = plugin["slots"];
+            if (std::any_of(slots.begin(), slots.end(), is_of_kind) != holds_its_kind) continue;
+            Json found = part(plugin, &slot, chain);
+            if (!found.is_null()) return found;
+        }
     }
     return nullptr;
 }

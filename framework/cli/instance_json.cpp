@@ -97,7 +97,7 @@ Json extensions_json(const plr_instance& instance) {
     Json list = Json::array();
     if (instance.table->extension == nullptr) return list;
     for (const char* id : {PLR_MOTION_STRUCTURE, PLR_MOTION_NOISE_FACTOR, PLR_ESTIMATOR_MIX, PLR_ESTIMATOR_MODES,
-                           PLR_EXTENT_JOINT, PLR_RECORD_CONVERT})
+                           PLR_ESTIMATOR_SMOOTHED, PLR_EXTENT_JOINT, PLR_RECORD_CONVERT})
         if (instance.table->extension(instance.self, id) != nullptr) list.push_back(id);
     return list;
 }

@@ -119,6 +119,20 @@ HotCall EstimatorCalls::probabilities(const Argument& record) const {
     return call;
 }
 
+HotCall EstimatorCalls::smoothed(const Argument& record) const {
+    const auto* const extension = instance.extension<plr_estimator_smoothed>(PLR_ESTIMATOR_SMOOTHED);
+    const std::int64_t most = extension->most;
+    HotCall call = make_call("smoothed", items_in(record));
+    call.in = {record};
+    call.out = {output("known", 1, 1), output("age", most, 1), output("mean", c, most),
+                output("covariance", c, c * most)};
+    call.invoke = [extension, self = instance.self()](const plr_call& context, const Views& v) {
+        const plr_estimator_smoothed_args args{sizeof args, 0, v.in[0], v.out[0], v.out[1], v.out[2], v.out[3]};
+        return extension->smoothed(self, &context, &args);
+    };
+    return call;
+}
+
 const plr_sensor_info& EstimatorCalls::sensor_info(std::int32_t sensor) const {
     const auto* const at = reinterpret_cast<const unsigned char*>(info.sensors) +
                            std::size_t{info.sensors->struct_size} * static_cast<std::size_t>(sensor);
@@ -229,6 +243,8 @@ std::vector<HotCall> all_calls(const Instance& instance, Sample sample, std::int
     }
     if (instance.extension<plr_estimator_modes>(PLR_ESTIMATOR_MODES) != nullptr)
         all.push_back(calls.probabilities(record));
+    if (instance.extension<plr_estimator_smoothed>(PLR_ESTIMATOR_SMOOTHED) != nullptr)
+        all.push_back(calls.smoothed(record));
     return all;
 }
 

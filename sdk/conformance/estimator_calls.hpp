@@ -30,6 +30,7 @@ public:
     /// `records` holds all hypotheses of an item side by side.
     HotCall mix(const Argument& weights, const Argument& records) const;
     HotCall probabilities(const Argument& record) const;
+    HotCall smoothed(const Argument& record) const;
 
     const plr_sensor_info& sensor_info(std::int32_t sensor) const;
     std::int64_t measured(std::int32_t sensor) const { return sensor_info(sensor).measurement->size; }

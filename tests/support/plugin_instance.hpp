@@ -119,7 +119,16 @@ private:
     }
 };
 
-inline const void* no_service(const plr_host*, const char*) { return nullptr; }
+}  // namespace detail
+
+/// The random numbers that instances are offered; none unless a test sets them.
+inline const plr_random* offered_random = nullptr;
+
+namespace detail {
+
+inline const void* service(const plr_host*, const char* id) {
+    return std::strcmp(id, PLR_SERVICE_RANDOM) == 0 ? offered_random : nullptr;
+}
 
 }  // namespace detail
 
@@ -146,7 +155,7 @@ public:
         }
         if (known != values.size()) throw std::runtime_error("a parameter is not known");
         for (const Filled& filled : slots_) parts_.push_back(filled_part(description, filled));
-        host_ = {sizeof host_, PLR_ABI_MAJOR, PLR_ABI_MINOR, "test", nullptr, &detail::no_service};
+        host_ = {sizeof host_, PLR_ABI_MAJOR, PLR_ABI_MINOR, "test", nullptr, &detail::service};
         config_.struct_size = sizeof config_;
         config_.address = "test";
         config_.values = raw_values_.data();
@@ -239,7 +248,7 @@ private:
         unsigned char bytes[64];
     };
     std::vector<plr_status> status_;
-    static constexpr std::size_t scratch_bytes = 256 * 1024;
+    static constexpr std::size_t scratch_bytes = 2048 * 1024;
     std::unique_ptr<Line[]> memory_;
     plr_scratch scratch_{};
     plr_error error_{};

@@ -121,6 +121,8 @@ void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin)
     plugin.out_port("tracks", PLR_MESSAGE_TRACKS, "estimates after each scan");
     plugin.out_port("innovations", PLR_MESSAGE_VALUES,
                     "normalised innovations squared of the tracks told, for tests of consistency");
+    plugin.out_port("smoothed", PLR_MESSAGE_TRACKS,
+                    "confirmed tracks as they were, as far back as the estimator tells; nothing where it does not");
 }
 
 }  // namespace point_target

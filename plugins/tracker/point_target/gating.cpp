@@ -41,6 +41,7 @@ std::array<double, 9> place_covariance(const Detections& detections, std::size_t
 
 void Gating::run(Models& models, TrackStore& tracks, const Detections& detections, std::int64_t scan_time, bool all) {
     record_size_ = models.record_size();
+    takes_late_ = models.takes_late();
     failed_.assign(tracks.size(), 0);
     find_candidates(tracks, detections);
     list_predictions(tracks, detections, scan_time, all);
@@ -51,13 +52,21 @@ void Gating::run(Models& models, TrackStore& tracks, const Detections& detection
 
 /// How far from where it was last seen an object can be detected at that time, errors included, m.
 double Gating::reach(const Track& track, const SensorModel& sensor, std::int64_t time, double deviation) const {
-    const double elapsed = static_cast<double>(time - track.seen) * nanosecond;
+    // The place is that of the record's time where a measurement came late.
+    const std::int64_t apart = std::max(std::abs(time - track.seen), time < track.time ? track.time - time : 0);
+    const double elapsed = static_cast<double>(apart) * nanosecond;
     return maximum_speed_ * elapsed + std::sqrt(sensor.gate) * (track.deviation + deviation);
+}
+
+/// Whether the track can take a measurement of that time.
+bool Gating::comes_in_time(const Track& track, std::int64_t time) const {
+    if (!track.has_record) return time > track.seen;
+    return takes_late_ || time >= track.time;
 }
 
 bool Gating::within_reach(const Track& track, const Detections& detections, std::size_t detection) const {
     const std::int64_t time = detections.times[detection];
-    if (track.has_record ? time < track.time : time <= track.seen) return false;
+    if (!comes_in_time(track, time)) return false;
     const SensorModel& sensor = *detections.sensor;
     double squares = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -75,7 +84,8 @@ void Gating::find_candidates(const TrackStore& tracks, const Detections& detecti
     if (detections.size() == 0) return;
     const SensorModel& sensor = *detections.sensor;
     if (sensor.locates()) grid_.build(detections.places, sensor.axis[0] < 0 ? 0 : sensor.axis[1] < 0 ? 1 : 2);
-    const std::int64_t latest = *std::max_element(detections.times.begin(), detections.times.end());
+    const auto [first, last] = std::minmax_element(detections.times.begin(), detections.times.end());
+    const std::int64_t earliest = *first, latest = *last;
     const double widest =
         sensor.locates() ? *std::max_element(detections.deviations.begin(), detections.deviations.end()) : 0.0;
     std::vector<std::size_t> near;
@@ -83,13 +93,15 @@ void Gating::find_candidates(const TrackStore& tracks, const Detections& detecti
         const Track& track = tracks[t];
         near.clear();
         if (sensor.locates()) {
-            if (latest < track.time) continue;
-            grid_.near(track.place, reach(track, sensor, latest, widest), [&](std::size_t j) {
+            if (!comes_in_time(track, latest)) continue;
+            const double farthest = std::max(reach(track, sensor, latest, widest),
+                                             takes_late_ ? reach(track, sensor, earliest, widest) : 0.0);
+            grid_.near(track.place, farthest, [&](std::size_t j) {
                 if (within_reach(track, detections, j)) near.push_back(j);
             });
         } else if (track.has_record) {
             for (std::size_t j = 0; j < detections.size(); ++j)
-                if (detections.times[j] >= track.time) near.push_back(j);
+                if (comes_in_time(track, detections.times[j])) near.push_back(j);
         }
         std::sort(near.begin(), near.end());
         for (const std::size_t j : near) (track.has_record ? candidates_ : point_candidates_).push_back({t, j, none});
@@ -130,10 +142,10 @@ void Gating::predict(Models& models, TrackStore& tracks) {
         std::copy(tracks.record(t), tracks.record(t) + record_size_, records_.data() + p * record_size_);
     }
     if (n == 0) return;
-    Failures failed;
-    models.predict(n, ids.data(), dt.data(), records_.data(), failed);
+    models.predict(n, ids.data(), dt.data(), records_.data(), unpredicted_);
+    // What came too late for a track is no fault of it.
     for (std::size_t p = 0; p < n; ++p)
-        if (failed[p] != 0) failed_[predictions_[p].track] = 1;
+        if (unpredicted_[p] != 0 && dt[p] >= 0) failed_[predictions_[p].track] = 1;
 }
 
 void Gating::measure_distances(Models& models, const TrackStore& tracks, const Detections& detections) {
@@ -159,7 +171,9 @@ void Gating::measure_distances(Models& models, const TrackStore& tracks, const D
     Column<most_measured> e(size, 1);
     for (std::size_t i = 0; i < n; ++i) {
         const Candidate& candidate = candidates_[i];
-        if (unprojected[candidate.prediction] != 0 || unmeasured[i] != 0 || failed_[candidate.track] != 0) continue;
+        if (unprojected[candidate.prediction] != 0 || unpredicted_[candidate.prediction] != 0 || unmeasured[i] != 0 ||
+            failed_[candidate.track] != 0)
+            continue;
         const double* p = spread.data() + candidate.prediction * m * m;
         const double* r = detections.noise_of(candidate.detection);
         for (std::size_t k = 0; k < m * m; ++k) s.data()[k] = p[k] + r[k];

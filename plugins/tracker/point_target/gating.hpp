@@ -32,7 +32,7 @@ public:
     const double* predicted(std::size_t prediction) const { return records_.data() + prediction * record_size_; }
     /// The track's prediction to the scan's time, or `none`.
     std::size_t at_scan_time(std::size_t track) const { return at_scan_time_[track]; }
-    /// Whether the estimator could not predict the track.
+    /// Whether the estimator could not predict the track forward.
     bool failed(std::size_t track) const { return failed_[track] != 0; }
 
 private:
@@ -40,6 +40,7 @@ private:
         std::size_t track, detection, prediction;
     };
     void find_candidates(const TrackStore& tracks, const Detections& detections);
+    bool comes_in_time(const Track& track, std::int64_t time) const;
     bool within_reach(const Track& track, const Detections& detections, std::size_t detection) const;
     double reach(const Track& track, const SensorModel& sensor, std::int64_t time, double deviation) const;
     void list_predictions(const TrackStore& tracks, const Detections& detections, std::int64_t scan_time, bool all);
@@ -48,6 +49,7 @@ private:
     void measure_point_distances(const TrackStore& tracks, const Detections& detections);
 
     double maximum_speed_ = 0;  // m/s
+    bool takes_late_ = false;   // tracks take measurements older than themselves
     std::size_t record_size_ = 0;
     MeasurementGrid grid_;
     std::vector<Candidate> candidates_;        // tracks with records
@@ -57,6 +59,7 @@ private:
     std::vector<double> records_;              // predicted
     std::vector<std::size_t> at_scan_time_;    // by track
     std::vector<char> failed_;                 // by track
+    std::vector<char> unpredicted_;            // by prediction
     std::vector<GatedPair> pairs_, point_pairs_;
 };
 

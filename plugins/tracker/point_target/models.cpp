@@ -20,6 +20,7 @@ void Models::setup(const pelorus::Setup& setup, double gate_probability) {
     if ((info.flags & PLR_ESTIMATOR_USES_EXTENT) != 0)
         throw pelorus::PartError("estimator", "its motion needs the extent of the target, points have none");
     mix_ = estimator_.extension<plr_estimator_mix>(PLR_ESTIMATOR_MIX);
+    smoothing_ = estimator_.extension<plr_estimator_smoothed>(PLR_ESTIMATOR_SMOOTHED);
     cartesian_ = pelorus::Space(*info.cartesian);
     record_size_ = static_cast<std::size_t>(info.record_size);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -164,6 +165,19 @@ void Models::summary(std::size_t n, const std::uint64_t* ids, const double* reco
     args.covariance = pelorus::view(covariance, c, c, wide(n));
     const plr_call& call = start(n, ids);
     finish(estimator_.call(&plr_estimator::summary, call, args), "summary", n, failed);
+}
+
+void Models::smoothed(std::size_t n, const std::uint64_t* ids, const double* records, double* known, double* age,
+                      double* mean, double* covariance, Failures& failed) {
+    auto args = pelorus::arguments<plr_estimator_smoothed_args>();
+    const std::int64_t c = cartesian_.size(), most = smoothing_->most;
+    args.record = pelorus::const_view(records, wide(record_size_), 1, wide(n));
+    args.known = pelorus::view(known, 1, 1, wide(n));
+    args.age = pelorus::view(age, most, 1, wide(n));
+    args.mean = pelorus::view(mean, c, most, wide(n));
+    args.covariance = pelorus::view(covariance, c, c * most, wide(n));
+    const plr_call& call = start(n, ids);
+    finish(smoothing_->smoothed(estimator_.self(), &call, &args), "smoothed", n, failed);
 }
 
 void Models::init(const std::vector<int>& known, std::size_t n, const std::uint64_t* ids, const double* mean,

@@ -48,6 +48,12 @@ public:
     std::size_t record_size() const noexcept { return record_size_; }
     std::uint32_t record_version() const noexcept { return estimator_.info().record_version; }
     pelorus::Caller& caller() noexcept { return caller_; }
+    /// Whether a track takes measurements that are older than it is.
+    bool takes_late() const noexcept { return (estimator_.info().flags & PLR_ESTIMATOR_OUT_OF_SEQUENCE) != 0; }
+    /// How many times past a record tells of, the newest included; 0: the estimator does not smooth.
+    std::size_t smoothed_times() const noexcept {
+        return smoothing_ == nullptr ? 0 : static_cast<std::size_t>(smoothing_->most);
+    }
 
     /// Time and step of the scan at hand; the step numbers random draws.
     void begin(std::int64_t time, std::uint64_t step) {
@@ -70,6 +76,10 @@ public:
     /// Cartesian mean (c) and covariance (c x c).
     void summary(std::size_t n, const std::uint64_t* ids, const double* records, double* mean, double* covariance,
                  Failures& failed);
+    /// What is known by now of times past: of each record how many times, k ages (s), k Cartesian means (c) and covariances
+    /// (c x c), k = smoothed_times().
+    void smoothed(std::size_t n, const std::uint64_t* ids, const double* records, double* known, double* age,
+                  double* mean, double* covariance, Failures& failed);
     /// New records from `known` Cartesian components.
     void init(const std::vector<int>& known, std::size_t n, const std::uint64_t* ids, const double* mean,
               const double* covariance, double* records, Failures& failed);
@@ -95,6 +105,7 @@ private:
     bool told_failure_ = false;
     pelorus::EstimatorPart estimator_;
     const plr_estimator_mix* mix_ = nullptr;
+    const plr_estimator_smoothed* smoothing_ = nullptr;
     std::vector<SensorModel> sensors_;
     pelorus::Space cartesian_;
     int axes_ = 0;

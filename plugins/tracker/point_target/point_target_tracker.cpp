@@ -66,7 +66,7 @@ std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) 
 }
 
 std::vector<pelorus::Stream> PointTargetTracker::out_streams(std::uint32_t port) const {
-    if (port != tracks_out) return {};
+    if (port == innovations_out) return {};
     pelorus::Stream stream;
     stream.space = models_.cartesian();
     stream.frame = frame_;
@@ -97,6 +97,7 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     settle();
     summarise();
     publish_tracks(event.time);
+    if (models_.smoothed_times() > 0) publish_smoothed(event.time);
     std::vector<char> marked;
     for (const Outcome& outcome : outcomes_) marked.push_back(outcome.removed ? 1 : 0);
     tracks_.remove(marked);
@@ -139,7 +140,8 @@ void PointTargetTracker::associate_tracks(bool confirmed) {
     const std::vector<GatedPair> pairs = free_pairs(confirmed);
     if (pairs.empty()) return;
     for (const std::size_t i : associate(pairs, detections_.sensor->gate)) {
-        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false, none};
+        outcomes_[pairs[i].track] = {
+            pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false, false, none};
         taken_[pairs[i].detection] = 1;
     }
 }
@@ -235,6 +237,7 @@ void PointTargetTracker::update_tracks() {
     Failures failed;
     models_.update(*detections_.sensor, tracks.size(), ids.data(), measurements.data(), noises.data(), records.data(),
                    failed);
+    if (models_.takes_late()) bring_forward(tracks, records, failed);
     for (std::size_t i = 0; i < tracks.size(); ++i) {
         if (failed[i] == 0) {
             std::copy(records.data() + i * size, records.data() + (i + 1) * size, tracks_.record(tracks[i]));
@@ -243,6 +246,34 @@ void PointTargetTracker::update_tracks() {
             count("numeric_failures", 1);
         }
     }
+}
+
+/// Tracks that took a measurement older than themselves go back to where they were.
+void PointTargetTracker::bring_forward(const std::vector<std::size_t>& tracks, std::vector<double>& records,
+                                       Failures& failed) {
+    std::vector<std::size_t> late;
+    std::vector<std::uint64_t> ids;
+    std::vector<double> steps, moving;
+    const std::size_t size = models_.record_size();
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+        const Track& track = tracks_[tracks[i]];
+        const std::int64_t time = detections_.times[outcomes_[tracks[i]].detection];
+        if (failed[i] != 0 || time >= track.time) continue;
+        late.push_back(i);
+        ids.push_back(track.id);
+        steps.push_back(static_cast<double>(track.time - time) * 1e-9);
+        moving.insert(moving.end(), records.data() + i * size, records.data() + (i + 1) * size);
+    }
+    if (late.empty()) return;
+    Failures lost;
+    models_.predict(late.size(), ids.data(), steps.data(), moving.data(), lost);
+    std::size_t used = 0;
+    for (std::size_t k = 0; k < late.size(); ++k) {
+        failed[late[k]] = lost[k];
+        used += lost[k] == 0 ? 1 : 0;
+        std::copy(moving.data() + k * size, moving.data() + (k + 1) * size, records.data() + late[k] * size);
+    }
+    count("late_measurements_used", used);
 }
 
 /// Every detection that nobody has taken begins a track, unless it comes too late to tell of a new object.
@@ -286,7 +317,7 @@ void PointTargetTracker::add_track(std::size_t detection, const double* record) 
     if (record == nullptr) track.covariance = place_covariance(detections_, detection);
     track.hits = track.scans = 0;  // settle() counts this scan
     tracks_.add(track, record);
-    outcomes_.push_back({detection, none, 0, false, false, none});
+    outcomes_.push_back({detection, none, 0, false, false, false, none});
     count("tracks_started", 1);
 }
 
@@ -298,10 +329,14 @@ void PointTargetTracker::settle() {
         if (counts_scans()) ++track.scans;
         if (outcome.hit()) {
             ++track.hits;
-            track.misses = 0;
-            track.time = track.seen = record_time(outcome);
+            const std::int64_t time = record_time(outcome);
+            const bool is_news = time >= track.seen;  // else it is from before a miss
+            if (is_news) track.misses = 0;
+            outcome.moved = time > track.time;
+            track.time = std::max(track.time, time);
+            track.seen = std::max(track.seen, time);
             const std::int32_t before = track.status;
-            if (track.confirmed() || (track.hits >= start_confirm && track.has_record))
+            if (track.confirmed() ? is_news : track.hits >= start_confirm && track.has_record)
                 track.status = PLR_TRACK_CONFIRMED;
             outcome.changed = track.status != before;
             if (before == PLR_TRACK_TENTATIVE && track.confirmed()) ++confirmed_;
@@ -320,7 +355,10 @@ void PointTargetTracker::settle_miss(std::size_t t) {
         outcome.removed = true;
         return;
     }
-    if (outcome.mixture != none) track.time = record_time(outcome);
+    if (outcome.mixture != none) {
+        outcome.moved = record_time(outcome) > track.time;
+        track.time = record_time(outcome);
+    }
     if (!counts_scans()) return;
     ++track.misses;
     if (track.status == PLR_TRACK_CONFIRMED) {
@@ -331,6 +369,7 @@ void PointTargetTracker::settle_miss(std::size_t t) {
     if (prediction == none || outcome.mixture != none) return;
     const double* record = gating_.predicted(prediction);
     std::copy(record, record + models_.record_size(), tracks_.record(t));
+    outcome.moved = scan_time_ > track.time;
     track.time = scan_time_;
 }
 
@@ -384,62 +423,6 @@ void PointTargetTracker::remember(std::size_t t, const double* mean, const doubl
     } else if (maximum_deviation && deviation > *maximum_deviation) {
         outcomes_[t].removed = true;
     }
-}
-
-bool PointTargetTracker::is_published(std::size_t t) const {
-    const Track& track = tracks_[t];
-    const Outcome& outcome = outcomes_[t];
-    if (!track.has_record) return false;
-    if (outcome.removed) return track.told;
-    if (!track.confirmed() && tentative == Tentative::hide) return false;
-    return outcome.hit() || outcome.changed || (publish_which == Publish::all && !late_);
-}
-
-void PointTargetTracker::publish_tracks(std::int64_t time) {
-    message_->clear();
-    innovations_.clear();
-    weights_.clear();
-    const auto c = static_cast<std::size_t>(models_.cartesian().size());
-    for (std::size_t i = 0; i < wanted_.size(); ++i) {
-        const std::size_t t = wanted_[i].track;
-        if (!is_published(t)) continue;
-        Track& track = tracks_[t];
-        const Outcome& outcome = outcomes_[t];
-        pelorus::TrackEntry entry;
-        entry.id = track.id;
-        entry.time = wanted_[i].time;
-        entry.status = outcome.removed                       ? std::int32_t{PLR_TRACK_DELETED}
-                       : track.confirmed() && !outcome.hit() ? std::int32_t{PLR_TRACK_COASTING}
-                                                             : track.status;
-        entry.misses = track.misses;
-        entry.mean = means_.data() + i * c;
-        entry.covariance = covariances_.data() + i * c * c;
-        tell_measurements(outcome, track.id, entry);
-        message_->add(entry);
-        track.told = true;
-    }
-    plr_message told = message_->message(time);
-    plr_tracks tracks = *told.body.tracks;
-    if (association == Association::joint) tracks.measurement_weights = weights_.data();
-    told.body.tracks = &tracks;
-    publish(tracks_out, told);
-    if (innovations_.count() > 0) publish(innovations_out, innovations_.message(time));
-}
-
-/// What starts a track was predicted by nothing, so that it has no innovation.
-void PointTargetTracker::tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry) {
-    const bool mixed = outcome.mixture != none;
-    if (outcome.hit() && (mixed || outcome.prediction != none))
-        innovations_.add(id, outcome.distance, detections_.sensor->m);
-    const auto tell = [&](const Share& share) {
-        entry.measurements.push_back(detections_.ids[share.detection]);
-        entry.distances.push_back(share.distance);
-        weights_.push_back(share.weight);
-    };
-    if (mixed)
-        for (const Share& share : joint_.tracks()[outcome.mixture].shares) tell(share);
-    else if (outcome.hit())
-        tell({outcome.detection, outcome.distance, 1});
 }
 
 void PointTargetTracker::count(const char* name, std::size_t by) const {

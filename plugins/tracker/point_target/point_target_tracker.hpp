@@ -35,7 +35,7 @@ class PointTargetTracker : public pelorus::Stage<PointTargetTracker>, public Par
 public:
     static constexpr const char* kind = "tracker";
     enum InPort : std::uint32_t { scans, inputs };
-    enum OutPort : std::uint32_t { tracks_out, innovations_out };
+    enum OutPort : std::uint32_t { tracks_out, innovations_out, smoothed_out };
 
     static void describe(pelorus::Describe<PointTargetTracker>& plugin);
     void setup(const pelorus::Setup& setup);
@@ -67,6 +67,7 @@ private:
         double distance = 0;
         bool changed = false;  ///< of another status than before
         bool removed = false;
+        bool moved = false;          ///< to another time than before
         std::size_t mixture = none;  ///< index into the tracks of the joint update, whose record the track has
         bool hit() const noexcept { return detection != none; }
     };
@@ -84,6 +85,7 @@ private:
     std::int64_t record_time(const Outcome& outcome) const;
     void associate_points();
     void update_tracks();
+    void bring_forward(const std::vector<std::size_t>& tracks, std::vector<double>& records, Failures& failed);
     void start_tracks();
     void add_track(std::size_t detection, const double* record);
     void settle();
@@ -95,6 +97,7 @@ private:
     void publish_tracks(std::int64_t time);
     void tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry);
     void check_joint() const;
+    void publish_smoothed(std::int64_t time);
 
     bool counts_scans() const noexcept { return misses == Misses::per_scan && !late_; }
     void count(const char* name, std::size_t by) const;

@@ -38,11 +38,29 @@ struct Rig {
             std::make_shared<Instance>(bench, installed("sensor.spherical"), "{noise: [5 m, 1 mrad, 1 mrad]}");
         make(with, "{noise: 1 m2/s3, prior_velocity: 50 m/s}", {{"sensors", "radar", sensor}});
     }
-    void make(const std::string& with, const std::string& motion, std::vector<pelorus::test::Instance::Part> parts) {
+    /// The filter in a slot `estimator` of another one.
+    struct Inside {
+        std::string id, with;
+        bool takes_motion = false;
+    };
+    Rig(const Inside& inside, const std::string& with) {
+        using namespace pelorus::test;
+        const auto position =
+            std::make_shared<Instance>(bench, installed("sensor.position"), "{dimension: 2, noise: 1 m}");
+        make(with, "{dimension: 2, noise: 0.01 m2/s3, prior_velocity: 10 m/s}", {{"sensors", "radar", position}},
+             &inside);
+    }
+    void make(const std::string& with, const std::string& motion, std::vector<pelorus::test::Instance::Part> parts,
+              const Inside* inside = nullptr) {
         using namespace pelorus::test;
         parts.insert(parts.begin(),
                      {"motion", "", std::make_shared<Instance>(bench, installed("motion.constant_velocity"), motion)});
-        const auto estimator = std::make_shared<Instance>(bench, installed("estimator.kalman"), "{}", parts);
+        auto estimator = std::make_shared<Instance>(bench, installed("estimator.kalman"), "{}", parts);
+        if (inside != nullptr) {
+            std::vector<Instance::Part> within{{"estimator", "", estimator}};
+            if (inside->takes_motion) within.push_back(parts.front());
+            estimator = std::make_shared<Instance>(bench, installed(inside->id.c_str()), inside->with, within);
+        }
         tracker = std::make_unique<StageUnderTest>(bench, plugin_of<PointTargetTracker>("tracker.point_target"), with,
                                                    std::vector<Instance::Part>{{"estimator", "", estimator}});
     }

@@ -19,7 +19,11 @@
 enum {
   PLR_ESTIMATOR_BACKWARD = 1u << 16,    /* predict answers dt < 0 */
   PLR_ESTIMATOR_USES_EXTENT = 1u << 17, /* predict needs args.extent */
-  PLR_ESTIMATOR_ASSIGNABLE = 1u << 18   /* assign is answered (it is not by a particle filter) */
+  PLR_ESTIMATOR_ASSIGNABLE = 1u << 18,  /* assign is answered (it is not by a particle filter) */
+  /* Takes measurements late: after predict with dt < 0, back to a time that the record still knows (else that item fails
+   * with PLR_E_NUMERIC), update takes a measurement of that time, and a predict forward to the newest time answers what
+   * in-sequence processing would have. Moments in between are those of the time gone back to, measurements up to it used. */
+  PLR_ESTIMATOR_OUT_OF_SEQUENCE = 1u << 19
 };
 
 typedef struct plr_estimator_info {
@@ -144,5 +148,25 @@ typedef struct plr_estimator_modes {
   plr_status (*probabilities)(const void* self, const plr_call* call, const plr_const_view* record,
                               const plr_view* out);
 } plr_estimator_modes;
+
+/* Extension: estimates of times past, improved by what has been measured since (a fixed-lag smoother). */
+#define PLR_ESTIMATOR_SMOOTHED "pelorus.estimator.smoothed.draft/1"
+
+typedef struct plr_estimator_smoothed_args {
+  uint32_t struct_size;
+  uint32_t reserved;
+  plr_const_view record; /* r x 1 x N */
+  plr_view known;        /* 1 x 1 x N: k, how many times the record tells of, 1 to `most` */
+  plr_view age;        /* most x 1 x N, s: how long before the record's time, ascending; the first is 0. From k on 0 */
+  plr_view mean;       /* c x most x N: Cartesian; the first is that of summary. From k on 0 */
+  plr_view covariance; /* c x (c most) x N, side by side, or data NULL. From k on 0 */
+} plr_estimator_smoothed_args;
+
+typedef struct plr_estimator_smoothed {
+  uint32_t struct_size;
+  int32_t most; /* times that a record tells of at most, the newest included */
+  /* [worker, concurrent] [hot] */
+  plr_status (*smoothed)(const void* self, const plr_call* call, const plr_estimator_smoothed_args* args);
+} plr_estimator_smoothed;
 
 #endif

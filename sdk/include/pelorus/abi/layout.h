@@ -465,6 +465,18 @@ PLR_AT(plr_estimator_modes, struct_size, 0);
 PLR_AT(plr_estimator_modes, mode_count, 4);
 PLR_AT(plr_estimator_modes, names, 8);
 PLR_AT(plr_estimator_modes, probabilities, 16);
+PLR_SIZE(plr_estimator_smoothed_args, 288);
+PLR_AT(plr_estimator_smoothed_args, struct_size, 0);
+PLR_AT(plr_estimator_smoothed_args, reserved, 4);
+PLR_AT(plr_estimator_smoothed_args, record, 8);
+PLR_AT(plr_estimator_smoothed_args, known, 64);
+PLR_AT(plr_estimator_smoothed_args, age, 120);
+PLR_AT(plr_estimator_smoothed_args, mean, 176);
+PLR_AT(plr_estimator_smoothed_args, covariance, 232);
+PLR_SIZE(plr_estimator_smoothed, 16);
+PLR_AT(plr_estimator_smoothed, struct_size, 0);
+PLR_AT(plr_estimator_smoothed, most, 4);
+PLR_AT(plr_estimator_smoothed, smoothed, 8);
 
 /* extent.h */
 PLR_SIZE(plr_extent_info, 40);
