@@ -1,6 +1,7 @@
 // What the filter is made from.
 #include "kalman.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace kalman {
@@ -24,14 +25,27 @@ void Kalman::describe(pelorus::Describe<Kalman>& plugin) {
 
 void Kalman::setup(const pelorus::Setup& setup) {
     setup_filter(setup, gaussian::Form::covariance, info);
-    if (structure_ != nullptr) by_blocks_ = blocks_kernel(structure_->block, structure_->dimension);
-    fully_ = full_kernel(static_cast<int>(n_));
+    const Kernels& widest = kernels(lanes::best_instruction_set());
+    if (structure_ != nullptr) by_blocks_ = widest.by_blocks(structure_->block, structure_->dimension);
+    fully_ = widest.full(static_cast<int>(n_));
     std::int64_t doubles = n_ + 2 * n_ * n_ + motion_record_;  // predict
     for (const SensorInSlot& sensor : sensors_) {
-        kernels_.push_back(measurement_kernels(static_cast<int>(n_), static_cast<int>(sensor.m)));
-        doubles = std::max(doubles, 2 * sensor.m + sensor.m * n_ + look_doubles(sensor));
+        seen_.push_back(see(sensor, widest));
+        doubles = std::max(doubles, 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
     }
     info.scratch_bytes = scratch_for(doubles);
+}
+
+Kalman::Seen Kalman::see(const SensorInSlot& sensor, const Kernels& kernels) const {
+    Seen out{{}, static_cast<int>(n_), true, false};
+    if (state_is_cartesian_) {
+        out.leading = 1 + static_cast<int>(*std::max_element(sensor.index.begin(), sensor.index.end()));
+        out.can_common = (sensor.part.info().flags & PLR_SENSOR_LINEAR) != 0;
+    }
+    for (std::int64_t k = 0; k < sensor.c; ++k)
+        out.in_order = out.in_order && sensor.index[static_cast<std::size_t>(k)] == k;
+    out.kernels = kernels.measurement(static_cast<int>(n_), static_cast<int>(sensor.m), out.leading);
+    return out;
 }
 
 std::int64_t Kalman::look_doubles(const SensorInSlot& sensor) const {

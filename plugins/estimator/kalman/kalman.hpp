@@ -6,6 +6,8 @@
 #include "../../common/gaussian/filter.hpp"
 #include "kalman_kernels.hpp"
 
+#include <array>
+#include <limits>
 #include <vector>
 
 #include <pelorus/batch_model.hpp>
@@ -16,7 +18,8 @@ using namespace batches;
 
 using gaussian::SensorInSlot;
 
-static_assert(max_state == gaussian::max_state && max_measurement == gaussian::max_measurement);
+static_assert(block_items == block_size && max_state == gaussian::max_state &&
+              max_measurement == gaussian::max_measurement);
 
 class Kalman : public pelorus::Estimator<Kalman>, public gaussian::Filter {
 public:
@@ -29,16 +32,26 @@ public:
     const void* extension(const char* id) const noexcept;
 
 private:
+    /// What is known of a sensor once and for all.
+    struct Seen {
+        MeasurementKernels kernels;
+        int leading;      // the columns of H from there on are zero
+        bool in_order;    // it looks at the first Cartesian components, in their order
+        bool can_common;  // one H serves all items, unless they have inputs of their own
+    };
+
     /// How a sensor sees a block of records.
     struct Looks {
         plr_view predicted;  // m x 1 x N
         double* jacobian;    // m x n x N, with respect to the state
+        bool common;         // one Jacobian for all items
     };
 
     std::int64_t look_doubles(const SensorInSlot& sensor) const;
     template <class View> View covariance(const View& records) const noexcept { return spread(records); }
-    Moments moments_of(const double* record) const noexcept { return {record, record + n_}; }
-    MomentsOut moments_of(double* record) const noexcept { return {record, record + n_}; }
+    ItemsIn jacobians(const Looks& looks, std::int64_t m) const noexcept {
+        return {looks.jacobian, looks.common ? 0 : m * n_};
+    }
 
     /// A step of a block of records, as the motion tells it.
     struct Steps {
@@ -48,16 +61,28 @@ private:
     };
     Steps steps(const plr_call& call, const plr_estimator_predict& args, std::int64_t first, std::int64_t items,
                 bool common, double* memory) const;
+    /// F1 and Q1 of the items of a block.
+    struct Blocks {
+        std::array<double, max_state * max_state> f1, q1;  // of last_dt
+        double last_dt = std::numeric_limits<double>::quiet_NaN();
+        std::array<double, block_items> dt;  // for which each item's are there
+        bool upper_triangular = true;        // all F1 so far
+        double *transition, *noise;          // as BlockStep has them
+    };
+    void ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const;
     plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_fully(const plr_call& call, const plr_estimator_predict& args) const;
-    plr_const_view look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records,
-                        const Looks& out, double* memory) const;
+    Seen see(const SensorInSlot& sensor, const Kernels& kernels) const;
+    plr_const_view look(const plr_call& call, std::int32_t sensor, const plr_const_view& records, const Looks& out,
+                        double* memory) const;
+    void derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
+                         double* out) const;
     void cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
                             double* out) const;
 
-    std::vector<Kernels> kernels_;  // of the sensors
-    PredictBlocks by_blocks_ = nullptr;
-    PredictFull fully_ = nullptr;
+    std::vector<Seen> seen_;  // of the sensors
+    BlockKernel by_blocks_ = nullptr;
+    FullKernel fully_ = nullptr;
 };
 
 }  // namespace kalman

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <pelorus/sensor.hpp>
+#include <pelorus/small_matrix.hpp>
 
 namespace kalman {
 
@@ -13,11 +14,27 @@ using pelorus::as_const;
 using pelorus::NumericError;
 using pelorus::Scratch;
 using pelorus::slice;
+namespace small = pelorus::small;
 
 namespace {
 
-void require(Outcome outcome) {
-    if (outcome != Outcome::done) throw NumericError(text(outcome));
+using Outcomes = std::array<Outcome, block_items>;
+
+/// The items of a block that no part has failed so far are to be worked out.
+Outcomes still_good(const plr_call& call, std::int64_t items) noexcept {
+    Outcomes out{};
+    for (std::int64_t i = 0; i < items && call.item_status != nullptr; ++i)
+        if (call.item_status[i] != PLR_OK) out[static_cast<std::size_t>(i)] = Outcome::not_finite;
+    return out;
+}
+
+/// The items of a view from `first` on, as kernels take them.
+ItemsIn items_of(const plr_const_view& view, std::int64_t first, bool common = false) noexcept {
+    return {at(view, first), common ? 0 : view.item_stride};
+}
+ItemsOut items_of(const plr_view& view, std::int64_t first) noexcept {
+    if (view.data == nullptr) return {nullptr, 0};
+    return {at(view, first), view.item_stride};
 }
 
 }  // namespace
@@ -33,24 +50,49 @@ plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& ar
         });
 }
 
-/// F1 and Q1 are asked for once where neighbours share the time step.
-plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const {
-    double f1[max_state * max_state], q1[max_state * max_state];
-    double last_dt = std::numeric_limits<double>::quiet_NaN();  // differs from every dt
-    return pelorus::for_items(call, args.out.count, [&](std::int64_t i) {
-        const double dt = *at(args.dt, i);
-        if (dt != last_dt || call.input_stride != 0) {
-            last_dt = std::numeric_limits<double>::quiet_NaN();
+/// Asks for F1 and Q1 of the items of a block, once where neighbours share the time step, and lays them out for the kernel.
+void Kalman::ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const {
+    const int size = structure_->block * structure_->block;
+    tolerate(pelorus::for_items(call, dt.count, [&](std::int64_t i) {
+        const auto lane = static_cast<std::size_t>(i);
+        const double now = *at(dt, i);
+        if (now == blocks.dt[lane] && call.input_stride == 0) return;
+        if (now != blocks.last_dt || call.input_stride != 0) {
+            blocks.last_dt = std::numeric_limits<double>::quiet_NaN();
             const plr_call here = slice(call, i);
             const bool was_told = call.error->code != PLR_OK;
-            const plr_status status = structure_->blocks(motion_.self(), &here, dt, f1, q1);
+            const plr_status status =
+                structure_->blocks(motion_.self(), &here, now, blocks.f1.data(), blocks.q1.data());
             // It speaks of a time step; the caller wants to know of which item.
             if (status != PLR_OK && !was_told && call.error->item < 0) call.error->item = call.item_offset + i;
             pelorus::require(status);
-            last_dt = dt;
+            blocks.last_dt = now;
         }
-        require(by_blocks_(structure_->block, structure_->dimension, f1, q1, moments_of(at(args.record, i)),
-                           moments_of(at(args.out, i))));
+        for (int e = 0; e < size; ++e) {
+            blocks.transition[e * block_items + i] = blocks.f1[static_cast<std::size_t>(e)];
+            blocks.noise[e * block_items + i] = blocks.q1[static_cast<std::size_t>(e)];
+            if (e % structure_->block > e / structure_->block && blocks.f1[static_cast<std::size_t>(e)] != 0.0)
+                blocks.upper_triangular = false;
+        }
+        blocks.dt[lane] = now;
+    }));
+}
+
+plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const {
+    const std::int64_t size = structure_->block * structure_->block;
+    const Scratch scratch(call, 2 * size * block_items);
+    std::fill_n(scratch.data(), 2 * size * block_items, 0.0);
+    Blocks blocks;
+    blocks.dt.fill(std::numeric_limits<double>::quiet_NaN());  // differs from every dt
+    blocks.transition = scratch.data();
+    blocks.noise = scratch.data() + size * block_items;
+    return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
+        ask_for_blocks(block, slice(args.dt, first, items), blocks);
+        Outcomes outcomes = still_good(block, items);
+        by_blocks_({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
+                    blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
+                    outcomes.data()});
+        return for_good_items(block, items, [&](std::int64_t i) { require(outcomes[static_cast<std::size_t>(i)]); });
     });
 }
 
@@ -93,12 +135,13 @@ plr_status Kalman::predict_fully(const plr_call& call, const plr_estimator_predi
     const Scratch scratch(call, block_size * (n_ + 2 * n_ * n_ + motion_record_));
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const Steps told = steps(block, args, first, items, common, scratch.data());
+        Outcomes outcomes = still_good(block, items);
+        fully_({static_cast<int>(n_), static_cast<int>(items), items_of(as_const(told.transition), 0, common),
+                items_of(as_const(told.noise), 0, common), items_of(as_const(told.predicted), 0),
+                items_of(args.record, first), items_of(args.out, first), outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            const std::int64_t own = common ? 0 : i;
-            double* const out = at(args.out, first + i);
-            require(fully_(static_cast<int>(n_), at(told.transition, own), at(told.noise, own), at(told.predicted, i),
-                           moments_of(at(args.record, first + i)).covariance, moments_of(out)));
-            std::copy_n(at(told.record, i), motion_record_, out + n_ + n_ * n_);
+            require(outcomes[static_cast<std::size_t>(i)]);
+            std::copy_n(at(told.record, i), motion_record_, at(args.out, first + i) + n_ + n_ * n_);
         });
     });
 }
@@ -107,11 +150,11 @@ plr_status Kalman::predict_fully(const plr_call& call, const plr_estimator_predi
 
 /// What the sensor should see of a block of records, and how that depends on the state. `memory` holds
 /// block_size * look_doubles(sensor). Answers d Cartesian / d state, which lies in it; data NULL where they are the same.
-plr_const_view Kalman::look(const plr_call& call, const SensorInSlot& sensor, const plr_const_view& records,
-                            const Looks& out, double* memory) const {
+plr_const_view Kalman::look(const plr_call& call, std::int32_t number, const plr_const_view& records, const Looks& out,
+                            double* memory) const {
+    const SensorInSlot& sensor = sensors_[static_cast<std::size_t>(number)];
     const std::int64_t items = records.count, m = sensor.m, c = sensor.c;
-    const plr_view seen = pelorus::view(memory, c, 1, items);
-    const plr_view jacobian = pelorus::view(memory + block_size * c, m, c, items);
+    const plr_view gathered = pelorus::view(memory, c, 1, items);
     auto convert = pelorus::arguments<plr_motion_convert>();
     if (!state_is_cartesian_) {
         double* const rest = memory + block_size * (c + m * c);
@@ -121,37 +164,50 @@ plr_const_view Kalman::look(const plr_call& call, const SensorInSlot& sensor, co
         tolerate(motion_.call(&plr_motion::to_cartesian, call, convert));
     }
     const plr_const_view cartesian = state_is_cartesian_ ? mean(records) : as_const(convert.out);
-    for (std::int64_t i = 0; i < items; ++i) {
+    const bool in_order = seen_[static_cast<std::size_t>(number)].in_order;
+    for (std::int64_t i = 0; i < items && !in_order; ++i) {
         for (std::int64_t k = 0; k < c; ++k)
-            at(seen, i)[k] = at(cartesian, i)[sensor.index[static_cast<std::size_t>(k)]];
+            at(gathered, i)[k] = at(cartesian, i)[sensor.index[static_cast<std::size_t>(k)]];
     }
+    const plr_const_view seen = in_order ? field(cartesian, 0, c, 1) : as_const(gathered);
     auto measure = pelorus::arguments<plr_sensor_measure>();
-    measure.cartesian = as_const(seen);
+    measure.cartesian = seen;
     measure.out = out.predicted;
     tolerate(sensor.part.call(&plr_sensor::measure, call, measure));
-    auto derive = pelorus::arguments<plr_sensor_jacobian>();
-    derive.cartesian = as_const(seen);
-    derive.out = jacobian;
-    tolerate(sensor.part.call(&plr_sensor::jacobian, call, derive));
 
-    // d measurement / d state = (d measurement / d Cartesian) (d Cartesian / d state).
-    for (std::int64_t i = 0; i < items; ++i) {
-        double* const h = out.jacobian + i * m * n_;
-        std::fill_n(h, m * n_, 0.0);
-        for (std::int64_t k = 0; k < c; ++k) {
-            const double* const column = at(jacobian, i) + k * m;
-            const std::int64_t index = sensor.index[static_cast<std::size_t>(k)];
-            if (state_is_cartesian_) {
-                std::copy_n(column, m, h + index * m);
-                continue;
-            }
-            for (std::int64_t s = 0; s < n_; ++s) {
-                const double factor = at(convert.jacobian, i)[s * c_ + index];
-                for (std::int64_t r = 0; r < m; ++r) h[s * m + r] += column[r] * factor;
-            }
+    // Where the sensor is linear and nothing else differs between items, one H serves all.
+    const std::int64_t asked = out.common ? 1 : items;
+    auto derive = pelorus::arguments<plr_sensor_jacobian>();
+    derive.cartesian = slice(seen, 0, asked);
+    derive.out = pelorus::view(memory + block_size * c, m, c, asked);
+    const plr_status derived = sensor.part.call(&plr_sensor::jacobian, call, derive);
+    tolerate(derived);
+    if (out.common && derived != PLR_OK && call.item_status != nullptr)
+        std::fill_n(call.item_status, items, call.item_status[0]);
+
+    for (std::int64_t i = 0; i < asked; ++i)
+        derive_by_state(sensor, at(derive.out, i), state_is_cartesian_ ? nullptr : at(convert.jacobian, i),
+                        out.jacobian + i * m * n_);
+    return as_const(convert.jacobian);
+}
+
+/// d measurement / d state = (d measurement / d Cartesian) (d Cartesian / d state).
+void Kalman::derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
+                             double* out) const {
+    const std::int64_t m = sensor.m;
+    std::fill_n(out, m * n_, 0.0);
+    for (std::int64_t k = 0; k < sensor.c; ++k) {
+        const double* const column = by_cartesian + k * m;
+        const std::int64_t index = sensor.index[static_cast<std::size_t>(k)];
+        if (cartesian_by_state == nullptr) {
+            std::copy_n(column, m, out + index * m);
+            continue;
+        }
+        for (std::int64_t s = 0; s < n_; ++s) {
+            const double factor = cartesian_by_state[s * c_ + index];
+            for (std::int64_t r = 0; r < m; ++r) out[s * m + r] += column[r] * factor;
         }
     }
-    return as_const(convert.jacobian);
 }
 
 /// P H' of the state, n x m, in Cartesian components, c x m.
@@ -169,57 +225,64 @@ void Kalman::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, 
 
 plr_status Kalman::project(const plr_call& call, const plr_estimator_project& args) const {
     const SensorInSlot& by = sensor(args.sensor);
-    const Kernels& kernels = kernels_[static_cast<std::size_t>(args.sensor)];
+    const Seen& seen = seen_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.measurement.count;
     const bool crossed = args.cross.data != nullptr, cartesian = args.cartesian_cross.data != nullptr;
     check_project(args, by.m);
-    const Scratch scratch(call, block_size * (by.m * n_ + look_doubles(by)));
+    const Scratch scratch(call, block_size * (2 * by.m * n_ + look_doubles(by)));
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
-        const Looks looks{slice(args.measurement, first, items), scratch.data()};
-        const plr_const_view to_cartesian = look(block, by, records, looks, scratch.data() + block_size * by.m * n_);
+        double* const rest = scratch.data() + 2 * block_size * by.m * n_;
+        const Looks looks{slice(args.measurement, first, items), scratch.data(),
+                          seen.can_common && block.input_stride == 0};
+        const plr_const_view to_cartesian = look(block, args.sensor, records, looks, rest);
+
+        ItemsOut cross{nullptr, 0};
+        if (cartesian) cross = {scratch.data() + block_size * by.m * n_, by.m * n_};
+        if (crossed) cross = items_of(args.cross, first);
+        Outcomes outcomes = still_good(block, items);
+        seen.kernels.project({static_cast<int>(n_), static_cast<int>(by.m), seen.leading, static_cast<int>(items),
+                              items_of(records, 0), jacobians(looks, by.m), items_of(args.covariance, first), cross,
+                              outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            double* const projected = at(args.covariance, first + i);
-            std::array<double, max_state * max_measurement> unwanted;
-            double* const cross = crossed ? at(args.cross, first + i) : cartesian ? unwanted.data() : nullptr;
-            kernels.project(static_cast<int>(n_), static_cast<int>(by.m), moments_of(at(records, i)).covariance,
-                            looks.jacobian + i * by.m * n_, projected, cross);
-            if (cartesian) cross_of_cartesian(to_cartesian, i, cross, by.m, at(args.cartesian_cross, first + i));
-            if (!all_finite(projected, by.m * by.m)) require(Outcome::not_finite);
+            require(outcomes[static_cast<std::size_t>(i)]);
+            if (cartesian)
+                cross_of_cartesian(to_cartesian, i, cross.first + i * cross.stride, by.m,
+                                   at(args.cartesian_cross, first + i));
         });
     });
 }
 
 plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args) const {
     const SensorInSlot& by = sensor(args.sensor);
-    const Kernels& kernels = kernels_[static_cast<std::size_t>(args.sensor)];
+    const Seen& seen = seen_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.out.count, m = by.m;
     check_update(args, m);
     const Scratch scratch(call, block_size * (2 * m + m * n_ + look_doubles(by)));
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
         double* const memory = scratch.data();
-        const Looks looks{pelorus::view(memory, m, 1, items), memory + 2 * block_size * m};
-        look(block, by, records, looks, looks.jacobian + block_size * m * n_);
+        const Looks looks{pelorus::view(memory, m, 1, items), memory + 2 * block_size * m,
+                          seen.can_common && block.input_stride == 0};
+        look(block, args.sensor, records, looks, looks.jacobian + block_size * m * n_);
         auto compare = pelorus::arguments<plr_sensor_residual>();
         compare.measurement = slice(args.measurement, first, items);
         compare.reference = as_const(looks.predicted);
         compare.out = pelorus::view(memory + block_size * m, m, 1, items);
         tolerate(by.part.call(&plr_sensor::residual, block, compare));
 
+        Outcomes outcomes = still_good(block, items);
+        seen.kernels.update({static_cast<int>(n_), static_cast<int>(m), seen.leading, static_cast<int>(items),
+                             items_of(records, 0), jacobians(looks, m), items_of(args.noise, first),
+                             items_of(as_const(compare.out), 0), items_of(args.out, first),
+                             items_of(args.log_likelihood, first), items_of(args.innovation_covariance, first),
+                             outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            const std::int64_t item = first + i;
-            const double* const record = at(records, i);
-            double* const out = at(args.out, item);
-            const Measured measured{looks.jacobian + i * m * n_, at(args.noise, item), at(compare.out, i)};
-            const Told told{
-                args.log_likelihood.data == nullptr ? nullptr : at(args.log_likelihood, item),
-                args.innovation_covariance.data == nullptr ? nullptr : at(args.innovation_covariance, item)};
-            require(kernels.update(static_cast<int>(n_), static_cast<int>(m), moments_of(record), measured,
-                                   moments_of(out), told));
+            require(outcomes[static_cast<std::size_t>(i)]);
+            double* const out = at(args.out, first + i);
             wrap(out);
-            if (args.innovation.data != nullptr) std::copy_n(measured.innovation, m, at(args.innovation, item));
-            std::copy_n(record + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
+            if (args.innovation.data != nullptr) std::copy_n(at(compare.out, i), m, at(args.innovation, first + i));
+            std::copy_n(at(records, i) + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
         });
     });
 }

@@ -1,0 +1,110 @@
+/// Dense products and factorisations of small matrices of `width` items at once: pelorus/small_matrix.hpp over lanes.
+///
+/// Shapes   Matrices are column-major arrays of Packs without gaps; sizes are ints or, where the compiler is to know them,
+///          Fixed<N>. Outputs overlap no input, except where a function says that they may.
+/// Errors   A factorisation adds the lanes in which it failed to a mask; what it leaves there is undefined, the others are as
+///          if they stood alone.
+/// Threads  All functions are pure: [worker, concurrent] [hot].
+#pragma once
+
+#include "pack.hpp"
+
+namespace lanes {
+
+inline namespace PELORUS_LANES {
+
+/// Lower triangle of A = L L', for a covariance that may be singular: pelorus::small::cholesky_semidefinite over lanes, with
+/// the same rule for pivots that rounding has eaten. Reads A's lower triangle, writes L's; may be done in place.
+template <class N> inline void cholesky_semidefinite(N size, const Pack* a, Pack* l, Mask& failed) noexcept {
+    const int n = size;
+    const double floor = n * std::numeric_limits<double>::epsilon();
+    for (int j = 0; j < n; ++j) {
+        const Pack diagonal = a[j * n + j];
+        Pack value = diagonal;
+        for (int k = 0; k < j; ++k) value -= l[k * n + j] * l[k * n + j];
+        failed |= value < -1e-8 * diagonal;
+        const Pack root = square_root(larger(absolute(value), floor * diagonal));
+        // An element of L that is not finite, or its square, would show in the root of its own row.
+        failed |= ~is_finite(root);
+        const Pack inverse = root > 0.0 ? 1.0 / root : Pack{};
+        l[j * n + j] = root;
+        for (int i = j + 1; i < n; ++i) {
+            Pack sum = a[j * n + i];
+            for (int k = 0; k < j; ++k) sum -= l[k * n + i] * l[k * n + j];
+            l[j * n + i] = sum * inverse;
+        }
+    }
+}
+
+/// Turns the rows of W (rows <= columns) into lower triangular form with a diagonal >= 0, by Householder reflections from the
+/// right: W W' stays what it was (Golub, Van Loan: Matrix Computations, 5.2). What was above the diagonal is left undefined.
+template <class Rows, class Columns> inline void triangularise_rows(Rows rows_size, Columns columns, Pack* w) noexcept {
+    const int rows = rows_size, cols = columns;
+    for (int r = 0; r < rows; ++r) {
+        const Pack head = w[r * rows + r];
+        Pack tail{};
+        for (int j = r + 1; j < cols; ++j) tail += w[j * rows + r] * w[j * rows + r];
+        const Mask bent = tail > 0.0;
+        const Pack norm = square_root(head * head + tail);
+        // head - norm without cancellation; where the row has its form already, at most its sign changes.
+        const Pack reflected = head <= 0.0 ? head - norm : -tail / (head + norm);
+        const Pack v = bent ? reflected : all(1.0);
+        const Pack beta = bent ? 2.0 / (v * v + tail) : (head < 0.0 ? all(2.0) : Pack{});
+        for (int i = r + 1; i < rows; ++i) {
+            Pack dot = w[r * rows + i] * v;
+            for (int j = r + 1; j < cols; ++j) dot += w[j * rows + i] * w[j * rows + r];
+            dot *= beta;
+            w[r * rows + i] -= dot * v;
+            for (int j = r + 1; j < cols; ++j) w[j * rows + i] -= dot * w[j * rows + r];
+        }
+        w[r * rows + r] = bent ? norm : absolute(head);
+    }
+}
+
+/// B = (L L')^-1 B for a lower triangular L, n x n, given 1 / its diagonal; B is n x columns.
+template <class N, class Columns>
+inline void cholesky_solve(N size, Columns columns, const Pack* l, const Pack* inverse_diagonal, Pack* b) noexcept {
+    const int n = size;
+    for (int c = 0; c < columns; ++c) {
+        Pack* const x = b + c * n;
+        for (int j = 0; j < n; ++j) {
+            for (int k = 0; k < j; ++k) x[j] -= l[k * n + j] * x[k];
+            x[j] *= inverse_diagonal[j];
+        }
+        for (int j = n - 1; j >= 0; --j) {
+            for (int i = j + 1; i < n; ++i) x[j] -= l[j * n + i] * x[i];
+            x[j] *= inverse_diagonal[j];
+        }
+    }
+}
+
+/// ln N(e; 0, L L') for a lower triangular L of positive diagonal, given 1 / its diagonal.
+template <class N>
+inline Pack log_normal(N size, const Pack* l, const Pack* inverse_diagonal, const Pack* e, Pack* scratch) noexcept {
+    constexpr double log_two_pi = 1.8378770664093454836;
+    const int n = size;
+    Pack sum = all(0.5 * n * log_two_pi);
+    for (int j = 0; j < n; ++j) {
+        Pack scaled = e[j];
+        for (int k = 0; k < j; ++k) scaled -= l[k * n + j] * scratch[k];
+        scratch[j] = scaled * inverse_diagonal[j];
+        sum += logarithm(l[j * n + j]) + 0.5 * (scratch[j] * scratch[j]);
+    }
+    return -sum;
+}
+
+/// out = A A' for an n x columns A; both triangles.
+template <class N, class Columns> inline void gram(N size, Columns columns, const Pack* a, Pack* out) noexcept {
+    const int n = size;
+    for (int j = 0; j < n; ++j) {
+        for (int i = j; i < n; ++i) {
+            Pack sum{};
+            for (int k = 0; k < columns; ++k) sum += a[k * n + i] * a[k * n + j];
+            out[j * n + i] = out[i * n + j] = sum;
+        }
+    }
+}
+
+}  // namespace PELORUS_LANES
+
+}  // namespace lanes

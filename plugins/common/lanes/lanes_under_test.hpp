@@ -1,0 +1,34 @@
+/// The algebra over lanes for packed items, as each instruction set has it: what its tests call.
+#pragma once
+
+#include <cstdint>
+
+namespace lanes_under_test {
+
+/// Arrays hold `items` packed column-major items, one after another; items are at most `width`.
+struct Algebra {
+    int width;
+    /// Loads and stores items of `size` numbers; those with to_skip != 0 are not stored.
+    void (*copy)(int size, int items, const double* from, const bool* to_skip, double* to);
+    void (*cholesky)(int n, int items, const double* a, double* l, bool* failed);
+    void (*triangularise)(int rows, int columns, int items, const double* w, double* out);
+    /// b = (L L')^-1 b, n x columns.
+    void (*solve)(int n, int columns, int items, const double* l, double* b);
+    void (*log_normal)(int n, int items, const double* l, const double* e, double* out);
+    void (*gram)(int n, int columns, int items, const double* a, double* out);
+    void (*logarithm)(int items, const double* x, double* out);
+};
+
+namespace baseline {
+extern const Algebra algebra;
+}
+#if defined(__x86_64__)
+namespace avx2 {
+extern const Algebra algebra;
+}
+namespace avx512 {
+extern const Algebra algebra;
+}
+#endif
+
+}  // namespace lanes_under_test
