@@ -30,13 +30,20 @@ template <class Plugin> void describe_dimension(pelorus::Describe<Plugin>& plugi
         .doc("number of axes: x, y, z");
 }
 
-template <class Plugin> void describe_priors(pelorus::Describe<Plugin>& plugin) {
-    pelorus::describe_priors(plugin, &AccelerationParameters::prior_position, &AccelerationParameters::prior_velocity);
-    plugin.parameter("prior_acceleration", &AccelerationParameters::prior_acceleration)
+/// Declares `prior_position`, `prior_velocity` and `prior_acceleration`.
+template <class Plugin, class Parameters>
+void describe_priors(pelorus::Describe<Plugin>& plugin, double Parameters::*position, double Parameters::*velocity,
+                     double Parameters::*acceleration) {
+    pelorus::describe_priors(plugin, position, velocity);
+    plugin.parameter("prior_acceleration", acceleration)
         .unit("m/s2")
         .initially("10 m/s2")
         .above(0.0)
         .doc("deviation of an acceleration component that nothing is known of, about 0");
+}
+template <class Plugin> void describe_priors(pelorus::Describe<Plugin>& plugin) {
+    using P = AccelerationParameters;
+    describe_priors(plugin, &P::prior_position, &P::prior_velocity, &P::prior_acceleration);
 }
 
 /// F1 x on every axis, x ordered by derivative.

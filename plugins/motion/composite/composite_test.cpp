@@ -1,3 +1,5 @@
+#include <pelorus/motion.hpp>
+
 #include "../../../tests/support/motion_filter.hpp"
 
 using namespace test_support;
@@ -20,6 +22,32 @@ std::string names_of(const MotionUnderTest& motion) {
     for (std::int64_t i = 0; i < motion.size(); ++i)
         names += std::string(i == 0 ? "" : " ") + motion.component(static_cast<std::size_t>(i)).name;
     return names;
+}
+
+/// A point that stands, of a kind that cannot be a part: it asks for the extent, or holds range and azimuth.
+template <bool uses_extent> struct Standing : pelorus::Motion<Standing<uses_extent>, 2> {
+    static constexpr std::uint32_t flags = uses_extent ? std::uint32_t{PLR_MOTION_USES_EXTENT} : 0u;
+    static constexpr bool cartesian = uses_extent;
+    using State = Eigen::Vector2d;
+    using Square = Eigen::Matrix2d;
+
+    static void describe(pelorus::Describe<Standing>& plugin) { plugin.title("Standing"); }
+    pelorus::Space space() const {
+        if (uses_extent) return pelorus::kinematic_space(2, {1.0});
+        return pelorus::Space({{"range", "m", 0.0, 1.0, false}, {"azimuth", "rad", 0.0, 1.0, true}});
+    }
+    pelorus::Space cartesian_space() const { return pelorus::kinematic_space(2, {1.0}); }
+    State propagate(const State& x, const pelorus::Step&) const { return x; }
+    Square jacobian(const State&, const pelorus::Step&) const { return Square::Identity(); }
+    template <class Posterior> Square noise(const Posterior&, const pelorus::Step&) const { return Square::Zero(); }
+    State to_cartesian(const State& x) const { return x(0) * State(std::cos(x(1)), std::sin(x(1))); }
+    State from_cartesian(const State& c) const { return {c.norm(), std::atan2(c(1), c(0))}; }
+    Square to_cartesian_jacobian(const State&) const { return Square::Identity(); }
+    Square from_cartesian_jacobian(const State&) const { return Square::Identity(); }
+};
+
+template <bool uses_extent> const plr_plugin& standing() {
+    return *pelorus::detail::plugin<Standing<uses_extent>>("motion.standing", "motion.standing");
 }
 
 }  // namespace
@@ -162,4 +190,11 @@ TEST_CASE("a composite says why parts cannot be joined", "[motion]") {
                Contains("no part has position.y, but one has position.z"));
     CHECK_THAT(refusal({{"motions", "a", &line, {{"axes", "y"}}}}), Contains("no part has position.x"));
     CHECK(refusal({{"motions", "a", &line}, {"motions", "b", &other, {{"axes", "y"}}}}) == "accepted");
+}
+
+TEST_CASE("a composite refuses parts that are not Cartesian or that read the extent", "[motion]") {
+    using Catch::Matchers::Contains;
+    const Instance polar(standing<false>(), {}, {}, 0), stretched(standing<true>(), {}, {}, 0);
+    CHECK_THAT(refusal({{"motions", "a", &polar}}), Contains("not Cartesian: range [m], azimuth [rad]"));
+    CHECK_THAT(refusal({{"motions", "a", &stretched}}), Contains("reads the extent"));
 }

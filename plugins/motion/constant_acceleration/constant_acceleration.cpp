@@ -1,5 +1,6 @@
 // motion.constant_acceleration: flight at an acceleration that white jerk disturbs. See README.md.
 #include "../../common/axis_models/constant_acceleration.hpp"
+#include "../../common/axis_models/acceleration_model.hpp"
 
 #include <optional>
 
@@ -79,12 +80,8 @@ template <int D, Form form_> void Model<D, form_>::describe(pelorus::Describe<Mo
         .doc(
             "deviation of the increment of the acceleration in a step, one value or one an axis; form discrete only, "
             "there 1 m/s2 if absent");
-    pelorus::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity);
-    plugin.parameter("prior_acceleration", &Parameters::prior_acceleration)
-        .unit("m/s2")
-        .initially("10 m/s2")
-        .above(0.0)
-        .doc("deviation of an acceleration component that nothing is known of, about 0");
+    axis_models::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity,
+                                 &Parameters::prior_acceleration);
 }
 
 template <int D> using Continuous = Model<D, Form::continuous>;

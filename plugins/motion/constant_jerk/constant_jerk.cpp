@@ -1,4 +1,5 @@
 // motion.constant_jerk: flight at a jerk that white noise disturbs. See README.md.
+#include "../../common/axis_models/acceleration_model.hpp"
 #include "constant_jerk_model.hpp"
 
 #include <optional>
@@ -78,12 +79,8 @@ template <int D, Form form_> void Model<D, form_>::describe(pelorus::Describe<Mo
         .min(0.0)
         .rows(1, 3)
         .doc("deviation of the jerk's increment in a step, one value or one an axis; form discrete only, there 1 m/s3");
-    pelorus::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity);
-    plugin.parameter("prior_acceleration", &Parameters::prior_acceleration)
-        .unit("m/s2")
-        .initially("10 m/s2")
-        .above(0.0)
-        .doc("deviation of an acceleration component that nothing is known of, about 0");
+    axis_models::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity,
+                                 &Parameters::prior_acceleration);
     plugin.parameter("prior_jerk", &Parameters::prior_jerk)
         .unit("m/s3")
         .initially("1 m/s3")
