@@ -180,7 +180,7 @@ template <class Plugin> void describe_noise(pelorus::Describe<Plugin>& plugin) {
     plugin.parameter("noise", &Parameters::density)
         .unit("m2/s3")
         .min(0.0)
-        .doc("spectral density of a white acceleration; 0.01 m2/s3 if neither this nor acceleration is given");
+        .doc("spectral density of a white acceleration; 0.01 m2/s3 if absent, unless acceleration is given");
     plugin.parameter("acceleration", &Parameters::deviation)
         .unit("m/s2")
         .min(0.0)
