@@ -65,6 +65,7 @@ struct Value {
     plr_value raw{};
     std::string text;
     std::vector<double> numbers;
+    std::int64_t columns = 1;
 
     Value(const plr_parameter& parameter, const Values& given) {
         raw.struct_size = sizeof raw;
@@ -78,8 +79,8 @@ struct Value {
         parse(parameter);
         raw.present = 1;
         raw.text = text.c_str();
-        const auto rows = static_cast<std::int64_t>(numbers.size());
-        raw.numbers = {numbers.data(), rows, 1, 1, 1, rows, rows};
+        const auto size = static_cast<std::int64_t>(numbers.size()), rows = size / columns;
+        raw.numbers = {numbers.data(), rows, columns, 1, columns == 1 ? 1 : columns, columns == 1 ? rows : 1, size};
     }
     Value(const Value&) = delete;
     Value& operator=(const Value&) = delete;
@@ -112,6 +113,14 @@ private:
                 }
                 do numbers.push_back(number(++at));
                 while (*at == ',');
+                return;
+            case PLR_TYPE_MATRIX:  // [[1, 2], [3, 4]], kept row by row
+                for (++at; *at == '['; at += std::strspn(at, ", ")) {
+                    columns = 0;
+                    do ++columns, numbers.push_back(number(++at));
+                    while (*at == ',');
+                    ++at;
+                }
                 return;
             default:
                 throw std::runtime_error(std::string("cannot parse the type of ") + parameter.name);

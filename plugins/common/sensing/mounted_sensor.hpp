@@ -34,13 +34,19 @@ struct MountedSensor : pelorus::Sensor<Derived, M, Rates ? 2 * D : D, D>, MountP
     using typename Base::Noise;
     using typename Base::Query;
     using Look = pelorus::Look;
+    /// Where this measurement begins within the input `bias`, in a plugin whose variants share one description.
+    static constexpr int bias_offset = 0;
 
     /// Parameters, inputs and slot. `components` names what `noise` and `bias` have, in order.
     static void describe_common(pelorus::Describe<Derived>& plugin, const char* units, const char* noise,
                                 const char* components) {
         NoiseParameters<M>::describe_noise(plugin, units, noise, components);
-        plugin.input("bias", units, std::vector<double>(M, 0.0),
-                     std::string("added to ") + components + "; the inverse takes it off again");
+        describe_inputs(plugin, units, M, components);
+    }
+    /// The mount's parameters and all inputs; the bias has `size` values.
+    static void describe_inputs(pelorus::Describe<Derived>& plugin, const char* units, std::size_t size,
+                                const char* components) {
+        plugin.input("bias", units, std::vector<double>(size, 0.0), std::string("added to ") + components);
         MountParameters<D>::describe_mount(plugin, Rates);
     }
 
@@ -95,7 +101,9 @@ private:
         return mount_.pose(this->input(look, position_input), this->input(look, attitude_input),
                            Rates ? this->input(look, velocity_input) : nullptr);
     }
-    Measurement bias(const Look& look) const { return Eigen::Map<const Measurement>(this->input(look, bias_input)); }
+    Measurement bias(const Look& look) const {
+        return Eigen::Map<const Measurement>(this->input(look, bias_input) + Derived::bias_offset);
+    }
     static Cartesian along_axes(const Cartesian& x, const Pose<D>& at) {
         Cartesian out;
         const Vector<D> from_sensor = x.template head<D>() - at.position;

@@ -24,17 +24,21 @@ using pelorus::Matrix;
 using pelorus::Vector;
 
 template <int M> struct NoiseParameters {
-    Vector<M> noise;                             ///< deviations, in the units of the measurement
+    Vector<M> deviations;                        ///< deviations, in the units of the measurement
     std::optional<double> snr, reference_range;  ///< power ratio; m
 
     template <class Plugin>
     static void describe_noise(pelorus::Describe<Plugin>& plugin, const char* units, const char* initially,
                                const char* components) {
-        plugin.parameter("noise", &NoiseParameters::noise)
+        plugin.parameter("noise", &NoiseParameters::deviations)
             .unit(units)
             .initially(initially)
             .above(0.0)
             .doc(std::string("deviations of ") + components + "; for scans that carry no covariances");
+        describe_law(plugin);
+    }
+    /// All but `noise` itself, for sensors whose deviations are parameters of another form.
+    template <class Plugin> static void describe_law(pelorus::Describe<Plugin>& plugin) {
         plugin.parameter("snr", &NoiseParameters::snr)
             .above(0.0)
             .doc(
@@ -57,7 +61,7 @@ public:
     NoiseLaw() = default;
     /// Throws PartError where the waveform model shapes another measurement.
     NoiseLaw(const pelorus::Setup& setup, const NoiseParameters<M>& given, const pelorus::Space& measurement)
-        : variance_(given.noise.cwiseAbs2()),
+        : variance_(given.deviations.cwiseAbs2()),
           nominal_(given.snr.value_or(1.0)),
           reference_range_(given.reference_range),
           has_ratio_(given.snr || given.reference_range),

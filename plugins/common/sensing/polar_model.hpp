@@ -47,7 +47,7 @@ namespace sensing {
 /// How fast the range of an object at p with relative velocity v grows; at the sensor itself 0.
 template <int D> double range_rate(const pelorus::Vector<D>& p, const pelorus::Vector<D>& v) {
     const double range = p.stableNorm();
-    return range > 0.0 ? v.dot(p / range) : 0.0;
+    return range == 0.0 ? 0.0 : v.dot(p / range);  // what is no number stays none
 }
 
 /// d range_rate / d (p, v). Throws NumericError at the sensor's position.

@@ -162,6 +162,10 @@ private:
         args.cartesian = pelorus::const_view(place.data(), c, 1, n);
         args.snr = scan.snr;
         args.waveform = scan.waveform;
+        if (args.waveform.data != nullptr) {  // one for the whole scan
+            args.waveform.count = n;
+            args.waveform.item_stride = 0;
+        }
         args.out = pelorus::view(noise.data(), m, m, n);
         const plr_call& second = caller.begin(time, n, scan.ids);
         caller.tolerate(part_.call(&plr_sensor::noise, second, args), "sensor " + part_.name() + ", noise");
