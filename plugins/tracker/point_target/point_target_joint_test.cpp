@@ -63,7 +63,7 @@ TEST_CASE("tracker.point_target counts a shared detection as a hit of both track
 
 TEST_CASE("tracker.point_target pulls a track by what may be its detection, and counts a miss where it hardly is",
           "[tracker.point_target]") {
-    Rig rig("{maximum_speed: 30 m/s, start_confirm: 2, association: joint, clutter_density: 1, misses_to_delete: 3}");
+    Rig rig("{maximum_speed: 30 m/s, start_confirm: 2, association: joint, clutter_density: 0.1, misses_to_delete: 3}");
     for (int k = 0; k < 6; ++k) rig.scan(k, {{0, 0}});
     auto told = rig.scan(6, {{3.5, 0}});  // as much clutter as that makes it a false alarm rather
     REQUIRE(told.size() == 1);
