@@ -164,8 +164,9 @@ public:
 
     void read(const Value& value, const std::string& label) {
         if (!value.is_list())
-            throw ValueError(value.where, label,
-                             "expected a list of maps (the rows of a table), got " + value.described());
+            throw ValueError(
+                value.where, label,
+                "expected a list of rows (maps from column to value, or lists of values), got " + value.described());
         const std::size_t rows = value.list.size();
         check_count(rows, parameter_.rows_min, parameter_.rows_max, "rows", value, label);
         stored_.numbers.resize(rows * names_.size());
@@ -176,9 +177,14 @@ public:
     }
 
 private:
+    /// A row is a map from column to value, or a list of values in the order of the columns.
     void read_row(const Value& row, std::size_t r, std::size_t rows, const std::string& label) {
-        if (!row.is_map())
-            throw ValueError(row.where, label, "expected a map from column to value, got " + row.described());
+        if (!row.is_map() && !row.is_list())
+            throw ValueError(row.where, label,
+                             "expected a map from column to value, or a list of values, got " + row.described());
+        if (row.is_list() && row.list.size() > names_.size())
+            throw ValueError(row.list[names_.size()].where, label,
+                             "has " + std::to_string(row.list.size()) + " values, columns are " + join(names_));
         for (const Value::Entry& entry : row.map)
             if (std::find(names_.begin(), names_.end(), entry.key) == names_.end())
                 throw ValueError(entry.where, label,
@@ -188,7 +194,7 @@ private:
             double& number = stored_.numbers[c * rows + r];
             const char*& text = stored_.texts[r * names_.size() + c];
             const std::string cell = label + "." + names_[c];
-            const Value* given = row.find(names_[c]);
+            const Value* given = row.is_map() ? row.find(names_[c]) : c < row.list.size() ? &row.list[c] : nullptr;
             if (given != nullptr)
                 read_cell(column, *given, cell, number, text, stored_.words);
             else if ((column.flags & PLR_PARAMETER_OPTIONAL) != 0)

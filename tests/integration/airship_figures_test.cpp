@@ -1,17 +1,7 @@
 // The airship's campaigns as they are shipped: the figures that stand beside each config are reached.
-#include <cmath>
-#include <string>
-#include <vector>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-#include <yaml-cpp/yaml.h>
-
-#include "../fixtures/temporary_folder.hpp"
-#include "../support/process.hpp"
+#include "../support/expected_figures.hpp"
 
 using namespace pelorus::test;
-using Json = nlohmann::json;
 
 namespace {
 
@@ -19,71 +9,31 @@ const std::string noise = "world.sensors.radar.noise", points = "world.targets.a
 const std::vector<std::string> errors{"errors.position_rmse", "errors.velocity_rmse", "shape.minor_axis_error",
                                       "shape.major_axis_error", "shape.axis_angle"};
 
-/// The cells of configs/NAME.yaml, run as a campaign.
-Json cells_of(const std::string& name, const std::vector<std::string>& flags) {
-    const TemporaryFolder folder;
-    std::vector<std::string> words{"run",   PELORUS_SOURCE_DIR "/configs/" + name + ".yaml",
-                                   "--out", folder / "out",
-                                   "--set", "files=~"};  // no files of tracks
-    words.insert(words.end(), flags.begin(), flags.end());
-    const Ended ended = pelorus_command(words);
-    CAPTURE(ended.err);
-    REQUIRE(ended.exit == 0);
-    return Json::parse(folder.read("out/summary.json"))["cells"];
+/// Files of tracks are left out.
+Json airship_cells(const std::string& name, std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--set", "files=~"});
+    return cells_of(name, flags);
 }
 
-const Json& cell_of(const Json& cells, const std::string& variant, double noise_m, double points_per_scan) {
-    for (const Json& cell : cells)
-        if (cell["variant"] == variant && cell["sweep"].value(noise, noise_m) == noise_m &&
-            cell["sweep"].value(points, points_per_scan) == points_per_scan)
-            return cell;
-    throw std::runtime_error("no cell of " + variant);
+const Json& airship_cell(const Json& cells, const std::string& variant, double noise_m, double points_per_scan) {
+    return cell_of(cells, variant, {{noise, noise_m}, {points, points_per_scan}});
 }
 
-double value(const Json& cell, const std::string& scalar) { return cell["scalars"][scalar]["value"]; }
-
-/// One figure of NAME.expected.yaml beside ours.
-void check_figure(double made, const YAML::Node& expected) {
-    // Shapes are told with two digits: half of the last one more.
-    if (expected["reproduced"]) {
-        const auto reproduced = expected["reproduced"].as<double>();
-        CAPTURE(made, reproduced);
-        CHECK(std::fabs(made - reproduced) <= 0.04 * reproduced + 0.005);
-    }
-    if (expected["limit"]) {
-        const auto limit = expected["limit"].as<double>();
-        CAPTURE(made, limit);
-        CHECK(made <= limit);
-    }
-}
-
-std::size_t check_figures(const std::string& name, const Json& cells) {
-    std::size_t figures = 0;
-    for (const YAML::Node& entry : YAML::LoadFile(PELORUS_SOURCE_DIR "/configs/" + name + ".expected.yaml")["cells"]) {
-        const auto variant = entry["variant"].as<std::string>();
-        const auto noise_m = entry["sweep"][noise].as<double>(), count = entry["sweep"][points].as<double>();
-        const Json& cell = cell_of(cells, variant, noise_m, count);
-        for (const auto& scalar : entry["scalars"]) {
-            INFO(name << ", " << variant << ", noise " << noise_m << " m, " << count
-                      << " points: " << scalar.first.as<std::string>());
-            check_figure(value(cell, scalar.first.as<std::string>()), scalar.second);
-            ++figures;
-        }
-    }
-    return figures;
+std::size_t check_airship(const std::string& name, const Json& cells) {
+    return check_figures(name, cells, [](const std::string&, const std::string&) { return Band{0.04, 0.005}; });
 }
 
 }  // namespace
 
 // Thousands of runs: too slow under the sanitizers, which see the same code in the cases of airship_test.cpp.
 TEST_CASE("the airship's campaign reaches the figures beside it", "[airship][release-only]") {
-    const Json cells = cells_of("airship", {});
+    const Json cells = airship_cells("airship", {});
     REQUIRE(cells.size() == 90);
-    CHECK(check_figures("airship", cells) > 50);
+    CHECK(check_airship("airship", cells) > 50);
     for (const int count : {10, 16, 22}) {
         CAPTURE(count);
-        CHECK(value(cell_of(cells, "published", 5, count), "shape.minor_axis_bias") > 1.5);
-        CHECK(std::fabs(value(cell_of(cells, "best", 5, count), "shape.minor_axis_bias")) <= 0.1);
+        CHECK(value(airship_cell(cells, "published", 5, count), "shape.minor_axis_bias") > 1.5);
+        CHECK(std::fabs(value(airship_cell(cells, "best", 5, count), "shape.minor_axis_bias")) <= 0.1);
     }
     for (const Json& cell : cells)
         if (cell["variant"] == "best")
@@ -94,14 +44,15 @@ TEST_CASE("the airship's campaign reaches the figures beside it", "[airship][rel
 }
 
 TEST_CASE("the airship with a shared sensor error reaches the figures beside it", "[airship][release-only]") {
-    CHECK(check_figures("airship_shared_error", cells_of("airship_shared_error", {"--variant", "published"})) == 18);
+    CHECK(check_airship("airship_shared_error", airship_cells("airship_shared_error", {"--variant", "published"})) ==
+          18);
 }
 
 TEST_CASE("the turning airship reaches the figures beside it", "[airship][release-only]") {
-    const Json cells = cells_of("airship_turning",
-                                {"--variant", "published", "--variant", "feldmann", "--variant", "follow", "--variant",
-                                 "imm", "--variant", "velocity_aligned", "--variant", "best", "--set", noise + "=1m"});
-    CHECK(check_figures("airship_turning", cells) > 30);
+    const Json cells = airship_cells(
+        "airship_turning", {"--variant", "published", "--variant", "feldmann", "--variant", "follow", "--variant",
+                            "imm", "--variant", "velocity_aligned", "--variant", "best", "--set", noise + "=1m"});
+    CHECK(check_airship("airship_turning", cells) > 30);
 }
 
 TEST_CASE("the best choice for the airship loses to the published filter nowhere", "[airship][release-only]") {
@@ -122,7 +73,7 @@ TEST_CASE("the best choice for the airship loses to the published filter nowhere
     }));
     std::vector<std::string> flags{"--variant", "published", "--variant", "best", "--runs", "60"};
     for (const std::string& set : sets) flags.insert(flags.end(), {"--set", set});
-    const Json cells = cells_of(config, flags);
+    const Json cells = airship_cells(config, flags);
     for (const Json& cell : cells)
         if (cell["variant"] == "best")
             for (const std::string& scalar : errors) {

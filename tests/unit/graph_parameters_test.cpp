@@ -231,6 +231,22 @@ TEST_CASE("Tables are lists of maps, and absent cells have defaults, NaN or no t
     CHECK(text(1, 4) == nullptr);
 }
 
+TEST_CASE("A row of a table may be a list of values in the order of the columns", "[graph][parameters]") {
+    OnePlugin one;
+    add_table(one.plugin);
+    REQUIRE(one.read("      legs: [[2 min, 90 deg/s, 10 deg, climb], {duration: 30 s}, [5]]\n") == "built");
+    const plr_value& legs = one.values[0];
+    REQUIRE(legs.numbers.rows == 3);
+    const auto number = [&](int row, int column) { return legs.numbers.data[column * legs.numbers.col_stride + row]; };
+    CHECK(number(0, 0) == 120.0);
+    CHECK(number(0, 1) == Approx(1.5707963267948966));
+    CHECK(std::string(legs.texts[3]) == "climb");
+    CHECK(number(1, 0) == 30.0);
+    CHECK(number(2, 0) == 5.0);
+    CHECK(number(2, 1) == 0.0);
+    CHECK(std::isnan(number(2, 2)));
+}
+
 TEST_CASE("What is wrong in a table is named by row and column", "[graph][parameters]") {
     OnePlugin one;
     add_table(one.plugin);
@@ -244,8 +260,14 @@ TEST_CASE("What is wrong in a table is named by row and column", "[graph][parame
           "mode, note, last");
     CHECK(one.read("      legs: []\n") == "test.yaml:6:13: n.legs: expected 1 to 3 rows, got 0");
     CHECK(one.read("      legs: {duration: 1 s}\n") ==
-          "test.yaml:6:13: n.legs: expected a list of maps (the rows of a table), got a map");
-    CHECK(one.read("      legs: [5]\n") == "test.yaml:6:14: n.legs[0]: expected a map from column to value, got '5'");
+          "test.yaml:6:13: n.legs: expected a list of rows (maps from column to value, or lists of values), got a map");
+    CHECK(one.read("      legs: [5]\n") ==
+          "test.yaml:6:14: n.legs[0]: expected a map from column to value, or a list of values, got '5'");
+    CHECK(one.read("      legs: [[1 s, 2, 3, climb, up, true, 7]]\n") ==
+          "test.yaml:6:43: n.legs[0]: has 7 values, columns are duration, turn_rate, bank, mode, note, last");
+    CHECK(one.read("      legs: [[]]\n") == "test.yaml:6:14: n.legs[0]: column 'duration' is required");
+    CHECK(one.read("      legs: [[1 s, 2 s]]\n") ==
+          "test.yaml:6:20: n.legs[0].turn_rate: expected a value in rad/s, got '2 s' (s is a time)");
     CHECK(one.read("      legs: [{duration: 1 s, mode: lvl}]\n") ==
           "test.yaml:6:36: n.legs[0].mode: expected one of climb, level, got 'lvl'");
 }

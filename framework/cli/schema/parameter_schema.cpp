@@ -81,10 +81,18 @@ Json choice(const Json& parameter) {
 }
 
 Json table(const Json& parameter) {
-    Json row{{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
+    // A map from column to value, or a list of values in the order of the columns.
+    Json row{{"type", {"object", "array"}},
+             {"properties", Json::object()},
+             {"additionalProperties", false},
+             {"items", Json::array()},
+             {"additionalItems", false}};
     for (const Json& column : parameter["columns"]) {
         row["properties"][column["name"]] = parameter_schema(column);
-        if (column["required"] == true) row["required"].push_back(column["name"]);
+        row["items"].push_back(parameter_schema(column));
+        if (column["required"] != true) continue;
+        row["required"].push_back(column["name"]);
+        row["minItems"] = row["items"].size();
     }
     return list_of(std::move(row), parameter["rows"]);
 }

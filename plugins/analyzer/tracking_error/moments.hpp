@@ -59,14 +59,14 @@ struct NormalisedSquares {
     template <class Archive> void state(Archive& archive) { archive(sum, degrees, count); }
 };
 
-/// Adds e' P^-1 e of position and velocity (or position alone, where one side tells no velocity); nothing where P is not positive
-/// definite.
-inline void add_error(const pelorus::TruthPairs::Pair& pair, NormalisedSquares& to) {
-    using Square = pelorus::small::Bounded<6, 6>;
-    using Column = pelorus::small::Bounded<6, 1>;
+/// Adds e' P^-1 e of as many derivatives as are asked for (1: positions, 2: velocities too, 3: accelerations too) and told on both
+/// sides; nothing where P is not positive definite.
+inline void add_error(const pelorus::TruthPairs::Pair& pair, int derivatives, NormalisedSquares& to) {
+    using Square = pelorus::small::Bounded<9, 9>;
+    using Column = pelorus::small::Bounded<9, 1>;
     const int axes = pair.estimate->axes;
-    const Eigen::Index given = axes * std::min(2, pair.estimate->derivatives());
-    const Eigen::Index n = axes * std::min({2, pair.estimate->derivatives(), pair.truth->derivatives()});
+    const Eigen::Index given = axes * pair.estimate->derivatives();
+    const Eigen::Index n = axes * std::min({derivatives, pair.estimate->derivatives(), pair.truth->derivatives()});
     Square covariance(n, n), root(n, n);
     Column error(n, 1);
     for (Eigen::Index col = 0; col < n; ++col) {

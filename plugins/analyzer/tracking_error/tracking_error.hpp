@@ -15,7 +15,7 @@ namespace tracking_error {
 class TrackingError : public pelorus::Stage<TrackingError> {
 public:
     static constexpr const char* kind = "analyzer";
-    static constexpr std::uint32_t state_version = 2;
+    static constexpr std::uint32_t state_version = 3;
 
     static void describe(pelorus::Describe<TrackingError>& plugin) {
         plugin.title("Tracking error")
@@ -34,18 +34,30 @@ public:
                 "Wiley 2001, 5.4.2; X. R. Li, Z. Zhao, V. P. Jilkov, Practical measures and test for credibility of "
                 "an estimator, Workshop on Estimation, Tracking, and Fusion, 2001 (anees)");
         plugin.in_port("tracks", PLR_MESSAGE_TRACKS, "estimates");
-        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is");
+        plugin.in_port("truth", PLR_MESSAGE_TRUTH, "what really is", PLR_PORT_MANY);
         plugin.in_port("innovations", PLR_MESSAGE_VALUES, "normalised innovations squared of a tracker",
                        PLR_PORT_OPTIONAL);
         plugin.out_port("results", PLR_MESSAGE_TABLE, "the tables by_time, acceleration and innovations, at the end");
         plugin.parameter("acceleration", &TrackingError::acceleration_)
             .initially("false")
             .doc("whether errors of the acceleration are told, in a table of their own");
+        plugin.parameter("by_axis", &TrackingError::by_axis_)
+            .initially("false")
+            .doc("whether the root mean square errors of a whole run are told for each axis: position_rms.x, ...");
         plugin.parameter("confidence", &TrackingError::confidence_)
             .initially("0.95")
             .above(0)
             .below(1)
             .doc("probability with which honest covariances keep within the bounds of anees and anis");
+        plugin.parameter("nees_derivatives", &TrackingError::nees_derivatives_)
+            .initially("2")
+            .min(1)
+            .max(3)
+            .doc("what nees counts: 1, positions; 2, velocities too; 3, accelerations too; those that both sides tell");
+        plugin.parameter("from_scan", &TrackingError::from_scan_)
+            .initially("0")
+            .min(0)
+            .doc("first instant of truth, counted from 0, that is told and enters the scalars");
     }
 
     void setup(const pelorus::Setup& setup) { frame_ = setup.frame(); }
@@ -94,6 +106,8 @@ private:
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
+        if (by_axis_)
+            for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
@@ -101,18 +115,40 @@ private:
         publish(0, result.message(time));
     }
 
+    /// Calls function(time, instant) for each instant that has truth, from from_scan on.
+    template <class Function> void for_each_scored(Function function) const {
+        std::int64_t index = 0;
+        for (const auto& [time, instant] : pairs_.instants())
+            if (!instant.truth.empty() && index++ >= from_scan_) function(time, instant);
+    }
+
+    /// Root mean squares over all pairs of the run, whatever their times: the figures of a single recording, where the mean over time
+    /// of root mean squares over runs would be a mean of absolute errors.
+    void add_run_errors(pelorus::ResultBuilder& result, int derivative) const {
+        const std::string name = derivative == 0 ? "position_rms" : "velocity_rms",
+                          unit = derivative == 0 ? "m" : "m/s";
+        Pairs all;
+        for_each_scored([&](std::int64_t, const pelorus::TruthPairs::Instant& instant) {
+            const Pairs pairs = instant.pairs();
+            all.insert(all.end(), pairs.begin(), pairs.end());
+        });
+        const Errors errors(all, pairs_.axes(), derivative);
+        result.scalar(name, unit, PLR_REDUCE_ROOT_MEAN_SQUARE, errors.norm);
+        for (int k = 0; k < pairs_.axes(); ++k)
+            result.scalar(of_axis(name, k), unit, PLR_REDUCE_ROOT_MEAN_SQUARE,
+                          errors.axis[static_cast<std::size_t>(k)]);
+    }
+
     /// One row an instant that has truth.
     Counts add_rows(pelorus::ResultBuilder& result) const {
         Counts counts;
-        for (const auto& [time, instant] : pairs_.instants()) {
-            if (instant.truth.empty()) {
-                counts.without_truth += static_cast<double>(instant.estimates.size());
-                continue;
-            }
+        for (const auto& [time, instant] : pairs_.instants())
+            if (instant.truth.empty()) counts.without_truth += static_cast<double>(instant.estimates.size());
+        for_each_scored([&](std::int64_t time, const pelorus::TruthPairs::Instant& instant) {
             const Pairs pairs = instant.pairs();
             const Errors position(pairs, pairs_.axes(), 0), velocity(pairs, pairs_.axes(), 1);
             NormalisedSquares squares;
-            for (const auto& pair : pairs) add_error(pair, squares);
+            for (const auto& pair : pairs) add_error(pair, static_cast<int>(nees_derivatives_), squares);
             const double estimates = static_cast<double>(instant.estimates.size()),
                          missing = static_cast<double>(instant.missing());
             counts.estimates += estimates;
@@ -122,7 +158,7 @@ private:
             cells.insert(cells.end(), {estimates, missing});
             for (const Errors* errors : {&position, &velocity}) add_cells(cells, *errors);
             result.row(cells);
-        }
+        });
         return counts;
     }
 
@@ -132,13 +168,12 @@ private:
         result.column("time", "s", PLR_REDUCE_KEY);
         result.column("acceleration", "m/s2", PLR_REDUCE_ROOT_MEAN_SQUARE);
         add_axes(result, "acceleration", "m/s2");
-        for (const auto& [when, instant] : pairs_.instants()) {
-            if (instant.truth.empty()) continue;
+        for_each_scored([&](std::int64_t when, const pelorus::TruthPairs::Instant& instant) {
             const Errors errors(instant.pairs(), pairs_.axes(), 2);
             std::vector<double> cells{seconds(when), errors.norm};
             add_cells(cells, errors);
             result.row(cells);
-        }
+        });
         result.scalar_of_column("acceleration_rmse", "m/s2", "acceleration");
         publish(0, result.message(time));
     }
@@ -188,8 +223,9 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false;
+    bool acceleration_ = false, by_axis_ = false;
     double confidence_ = 0.95;
+    std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
     std::string frame_;
     pelorus::TruthPairs pairs_;
     std::map<std::int64_t, NormalisedSquares> innovations_;  // by time, ns

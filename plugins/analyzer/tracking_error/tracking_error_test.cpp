@@ -221,3 +221,50 @@ TEST_CASE("tracking error: goes on exactly where its saved state left off", "[tr
     CHECK(two.cell(0, "position") == 1);
     CHECK(two.results.cell(0, "nis", "innovations") == 2);
 }
+
+TEST_CASE("tracking error: what comes before from_scan is not scored", "[tracking_error]") {
+    Scored run("{from_scan: 1, acceleration: true}", {1, 1, 1});
+    for (int k = 0; k < 3; ++k) {
+        run.real(k, 9, {0, 0, 0, 0, 0, 0, 0, 0, 0});
+        run.estimate(k, 1, {10.0 - 3 * k, 0, 0, 0, 0, 0, 0, 0, 0});
+    }
+    REQUIRE(run.table().rows.count == 2);
+    CHECK(run.cell(0, "position") == Approx(7));
+    CHECK(run.results.table("acceleration").rows.count == 2);
+    CHECK(run.scalar("estimates").value == 2);
+}
+
+TEST_CASE("tracking error: nees counts as many derivatives as it is asked for", "[tracking_error]") {
+    for (const int derivatives : {1, 2, 3}) {
+        Scored run("{nees_derivatives: " + std::to_string(derivatives) + "}", {1, 1, 1});
+        run.real(0, 9, {0, 0, 0, 0, 0, 0, 0, 0, 0});
+        run.estimate(0, 1, {1, 0, 0, 0, 2, 0, 0, 0, 3}, 1);
+        CHECK(run.cell(0, "nees") == Approx(derivatives == 1 ? 1 : derivatives == 2 ? 5 : 14));
+    }
+}
+
+TEST_CASE("tracking error: a single run tells its root mean squares over time", "[tracking_error]") {
+    Scored run("{by_axis: true}");
+    for (int k = 0; k < 2; ++k) run.real(k, 9, {0, 0, 0, 0, 0, 0});
+    run.estimate(0, 1, {3, 0, 0, 0, 0, 1});
+    run.estimate(1, 1, {-5, 4, 0, 0, 0, 7});
+    CHECK(run.scalar("position_rms.x").value == Approx(std::sqrt(17)));
+    CHECK(run.scalar("position_rms.y").value == Approx(std::sqrt(8)));
+    CHECK(run.scalar("position_rms").value == Approx(5));
+    CHECK(run.scalar("velocity_rms.z").value == Approx(5));
+    CHECK(run.scalar("position_rms").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
+}
+
+TEST_CASE("tracking error: root mean squares of a whole run, by axis, on request", "[tracking_error]") {
+    Scored run("{by_axis: true}");
+    run.real(0, 9, {0, 0, 0, 1, 0, 0});
+    run.real(1, 9, {1, 0, 0, 1, 0, 0});
+    run.estimate(0, 1, {3, 4, 0, 1, 0, 2});
+    run.estimate(1, 1, {2, 4, 0, 1, 0, 1});
+    CHECK(run.scalar("position_rms.x").value == Approx(std::sqrt((9 + 1) / 2.0)));
+    CHECK(run.scalar("position_rms.y").value == Approx(4));
+    CHECK(run.scalar("position_rms.z").value == 0);
+    CHECK(run.scalar("velocity_rms.z").value == Approx(std::sqrt((4 + 1) / 2.0)));
+    CHECK(run.scalar("velocity_rms.z").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
+    CHECK(std::string(run.scalar("velocity_rms.z").unit) == "m/s");
+}

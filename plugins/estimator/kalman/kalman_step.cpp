@@ -1,4 +1,4 @@
-// The filter's step: prediction, the look of a sensor, update, and the mixture of hypotheses.
+// The filter's step: prediction, the look of a sensor, update.
 #include "kalman.hpp"
 
 #include <algorithm>
@@ -25,22 +25,12 @@ void require(Outcome outcome) {
 // -------------------------------------------------------------------------------------------------- prediction
 
 plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& args) const {
-    expect_packed(args.dt, 1, 1, args.out.count, "dt");
-    expect_packed(args.record, info.record_size, 1, args.out.count, "record");
-    expect_packed(args.out, info.record_size, 1, args.out.count, "out");
+    check_predict(args);
     return in_runs(
         call, args, [&](const plr_call& here, const plr_estimator_predict& run) { return copy_records(here, run); },
         [&](const plr_call& here, const plr_estimator_predict& run) {
             return structure_ != nullptr ? predict_by_blocks(here, run) : predict_fully(here, run);
         });
-}
-
-plr_status Kalman::copy_records(const plr_call& call, const plr_estimator_predict& args) const {
-    return pelorus::for_items(call, args.out.count, [&](std::int64_t i) {
-        const double* const from = at(args.record, i);
-        if (!all_finite(from, n_ + n_ * n_)) require(Outcome::not_finite);
-        if (from != at(args.out, i)) std::copy_n(from, info.record_size, at(args.out, i));
-    });
 }
 
 /// F1 and Q1 are asked for once where neighbours share the time step.
@@ -87,27 +77,11 @@ Kalman::Steps Kalman::steps(const plr_call& call, const plr_estimator_predict& a
     jacobian.out = out.transition;
     tolerate(motion_.call(&plr_motion::jacobian, call, jacobian));
 
-    auto noise = pelorus::arguments<plr_motion_noise>();
-    noise.dt = jacobian.dt;
-    noise.state = jacobian.state;
-    noise.covariance = slice(covariance(records), 0, asked);
-    noise.predicted = slice(as_const(out.predicted), 0, asked);
-    noise.extent = slice(args.extent, first, asked);
-    noise.record = jacobian.record;
-    noise.out = out.noise;
-    tolerate(motion_.call(&plr_motion::noise, call, noise));
+    noise(call, dt, slice(args.extent, first, items), records, covariance(records), as_const(out.predicted), out.noise);
     if (common && call.item_status != nullptr && call.item_status[0] != PLR_OK)
         std::fill_n(call.item_status, items, call.item_status[0]);
 
-    if (motion_record_ > 0) {
-        auto advance = pelorus::arguments<plr_motion_record>();
-        advance.dt = dt;
-        advance.state = mean(records);
-        advance.covariance = covariance(records);
-        advance.record = motion_record(records);
-        advance.out = out.record;
-        tolerate(motion_.call(&plr_motion::advance_record, call, advance));
-    }
+    advance(call, dt, records, covariance(records), out.record);
     return out;
 }
 
@@ -195,13 +169,10 @@ void Kalman::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, 
 
 plr_status Kalman::project(const plr_call& call, const plr_estimator_project& args) const {
     const SensorInSlot& by = sensor(args.sensor);
+    const Kernels& kernels = kernels_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.measurement.count;
     const bool crossed = args.cross.data != nullptr, cartesian = args.cartesian_cross.data != nullptr;
-    expect_packed(args.record, info.record_size, 1, count, "record");
-    expect_packed(args.measurement, by.m, 1, count, "measurement");
-    expect_packed(args.covariance, by.m, by.m, count, "covariance");
-    if (crossed) expect_packed(args.cross, n_, by.m, count, "cross");
-    if (cartesian) expect_packed(args.cartesian_cross, c_, by.m, count, "cartesian_cross");
+    check_project(args, by.m);
     const Scratch scratch(call, block_size * (by.m * n_ + look_doubles(by)));
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
@@ -211,8 +182,8 @@ plr_status Kalman::project(const plr_call& call, const plr_estimator_project& ar
             double* const projected = at(args.covariance, first + i);
             std::array<double, max_state * max_measurement> unwanted;
             double* const cross = crossed ? at(args.cross, first + i) : cartesian ? unwanted.data() : nullptr;
-            by.kernels.project(static_cast<int>(n_), static_cast<int>(by.m), moments_of(at(records, i)).covariance,
-                               looks.jacobian + i * by.m * n_, projected, cross);
+            kernels.project(static_cast<int>(n_), static_cast<int>(by.m), moments_of(at(records, i)).covariance,
+                            looks.jacobian + i * by.m * n_, projected, cross);
             if (cartesian) cross_of_cartesian(to_cartesian, i, cross, by.m, at(args.cartesian_cross, first + i));
             if (!all_finite(projected, by.m * by.m)) require(Outcome::not_finite);
         });
@@ -221,16 +192,9 @@ plr_status Kalman::project(const plr_call& call, const plr_estimator_project& ar
 
 plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args) const {
     const SensorInSlot& by = sensor(args.sensor);
+    const Kernels& kernels = kernels_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.out.count, m = by.m;
-    expect_packed(args.record, info.record_size, 1, count, "record");
-    expect_packed(args.measurement, m, 1, count, "measurement");
-    expect_packed(args.noise, m, m, count, "noise");
-    expect_packed(args.out, info.record_size, 1, count, "out");
-    if (args.log_likelihood.data != nullptr) expect_packed(args.log_likelihood, 1, 1, count, "log_likelihood");
-    if (args.innovation.data != nullptr) expect_packed(args.innovation, m, 1, count, "innovation");
-    if (args.innovation_covariance.data != nullptr)
-        expect_packed(args.innovation_covariance, m, m, count, "innovation_covariance");
-
+    check_update(args, m);
     const Scratch scratch(call, block_size * (2 * m + m * n_ + look_doubles(by)));
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
@@ -251,66 +215,13 @@ plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args
             const Told told{
                 args.log_likelihood.data == nullptr ? nullptr : at(args.log_likelihood, item),
                 args.innovation_covariance.data == nullptr ? nullptr : at(args.innovation_covariance, item)};
-            require(by.kernels.update(static_cast<int>(n_), static_cast<int>(m), moments_of(record), measured,
-                                      moments_of(out), told));
+            require(kernels.update(static_cast<int>(n_), static_cast<int>(m), moments_of(record), measured,
+                                   moments_of(out), told));
             wrap(out);
             if (args.innovation.data != nullptr) std::copy_n(measured.innovation, m, at(args.innovation, item));
             std::copy_n(record + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
         });
     });
-}
-
-void Kalman::wrap(double* mean) const noexcept {
-    for (const int index : angles_) mean[index] = pelorus::wrap_angle(mean[index]);
-}
-
-// ----------------------------------------------------------------------------------------------------- mixture
-
-plr_status Kalman::mix(const plr_call& call, const plr_estimator_mix_args& args) const {
-    const std::int64_t count = args.out.count, hypotheses = args.weights.rows;
-    expect_packed(args.weights, hypotheses, 1, count, "weights");
-    expect_packed(args.records, info.record_size, hypotheses, count, "records");
-    expect_packed(args.out, info.record_size, 1, count, "out");
-    return pelorus::for_items(call, count, [&](std::int64_t i) { mix_item(args, i); });
-}
-
-/// Mean and covariance of the mixture; angles are averaged about the likeliest hypothesis, which also gives the motion's
-/// record.
-void Kalman::mix_item(const plr_estimator_mix_args& args, std::int64_t item) const {
-    const double* const weights = at(args.weights, item);
-    const std::int64_t hypotheses = args.weights.rows;
-    double total = 0.0;
-    std::int64_t likeliest = 0;
-    for (std::int64_t k = 0; k < hypotheses; ++k) {
-        if (!(weights[k] >= 0.0)) throw NumericError("a weight is negative or not a number");
-        total += weights[k];
-        if (weights[k] > weights[likeliest]) likeliest = k;
-    }
-    if (!(std::fabs(total - 1.0) < 1e-9)) throw NumericError("the weights do not sum to 1");
-
-    const double* const records = at(args.records, item);
-    const double* const centre = records + likeliest * info.record_size;
-    StateVector<Eigen::Dynamic> shift = StateVector<Eigen::Dynamic>::Zero(n_, 1), mean(n_, 1), spread(n_, 1);
-    for (std::int64_t k = 0; k < hypotheses; ++k) {
-        const double* const x = records + k * info.record_size;
-        for (std::int64_t r = 0; r < n_; ++r) spread.data()[r] = x[r] - centre[r];
-        wrap(spread.data());
-        for (std::int64_t r = 0; r < n_; ++r) shift.data()[r] += weights[k] * spread.data()[r];
-    }
-    for (std::int64_t r = 0; r < n_; ++r) mean.data()[r] = centre[r] + shift.data()[r];
-    wrap(mean.data());
-
-    StateMatrix<Eigen::Dynamic> covariance = StateMatrix<Eigen::Dynamic>::Zero(n_, n_);
-    for (std::int64_t k = 0; k < hypotheses; ++k) {
-        const Moments from = moments_of(records + k * info.record_size);
-        for (std::int64_t e = 0; e < n_ * n_; ++e) covariance.data()[e] += weights[k] * from.covariance[e];
-        for (std::int64_t r = 0; r < n_; ++r) spread.data()[r] = from.mean[r] - mean.data()[r];
-        wrap(spread.data());
-        small::add_outer(weights[k], spread, covariance);
-    }
-    double* const out = at(args.out, item);
-    require(store(mean, covariance, moments_of(out)));
-    std::copy_n(centre + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
 }
 
 }  // namespace kalman

@@ -47,11 +47,15 @@ void CsvSource::setup(const pelorus::Setup& setup) {
     plan_ = plan_columns(columns_);
     delimiter = character(delimiter_);
     window_ = nanoseconds(window_seconds_);
-    if (duplicates_ == Duplicates::skip && !identity_column)
+    if (object && identity_column)
+        throw pelorus::ParameterError("object", "names the object of all rows, but so does the column in identity");
+    if (duplicates_ == Duplicates::skip && !identifies())
         throw pelorus::ParameterError("duplicates", "are told by identity; name the column in identity");
-    if (plan_.tells_truth() && !identity_column)
-        throw pelorus::ParameterError("identity", "columns name true components, but no column says of which object");
-    if (identity_column && plan_.form == Form::spherical && plan_.true_position.empty())
+    if (plan_.tells_truth() && !identifies())
+        throw pelorus::ParameterError("identity",
+                                      "columns name true components, but no column says of which object; name it, or "
+                                      "with object: 1 all rows are of one");
+    if (identifies() && plan_.form == Form::spherical && plan_.true_position.empty())
         throw pelorus::ParameterError(
             "columns", "with identity, a spherical recording must tell true positions (true.position.x, ...)");
     if (plan_.form == Form::geodetic)
@@ -84,7 +88,7 @@ std::vector<pelorus::Stream> CsvSource::out_streams(std::uint32_t port) const {
         stream.space = plan_.measurement;
         return {stream};
     }
-    if (!identity_column) return {};
+    if (!identifies()) return {};
     stream.space = truth_space_;
     return {stream};
 }
@@ -112,7 +116,7 @@ void CsvSource::emit(const pelorus::Event&) {
         scan_->add(row.line, row.measurement.data(), covariance);
         if (window_ > 0) scan_->set_time(row.time - *start_);
     }
-    if (identity_column) {
+    if (identifies()) {
         add_truth();
         publish(truth, truth_->message(time));
     }

@@ -90,13 +90,16 @@ TEST_CASE("source.csv refuses columns that make no measurement", "[source.csv]")
     CHECK(refusal(head, columns(x + ", " + y + ", {column: a, component: true.speed}") + ", identity: a") ==
           "columns: true.speed and true.course belong together");
     CHECK(refusal(head, columns(x + ", " + y + ", {column: a, component: true.position.x}")) ==
-          "identity: columns name true components, but no column says of which object");
+          "identity: columns name true components, but no column says of which object; name it, or with object: 1 all "
+          "rows are of one");
     CHECK_THAT(
         refusal(head, columns("{column: x, component: range}, {column: a, component: azimuth}") + ", identity: a"),
         Catch::StartsWith("columns: with identity, a spherical recording must tell true positions"));
 }
 
 TEST_CASE("source.csv refuses settings that contradict each other", "[source.csv]") {
+    CHECK(refusal("time,x,y,a\n", plane + ", object: 1, identity: a") ==
+          "object: names the object of all rows, but so does the column in identity");
     CHECK_THAT(refusal("time,x,y\n", plane + ", duplicates: skip"),
                Catch::StartsWith("duplicates: are told by identity"));
     CHECK_THAT(refusal("time,x,y\n", plane + ", origin: [1 deg, 2 deg, 0 m]"), Catch::StartsWith("origin: belongs to"));

@@ -289,3 +289,28 @@ TEST_CASE("source.csv goes on exactly where its saved state left off", "[source.
         CHECK(second.bench.log.back() == whole.bench.log.back().replace(0, whole.bench.log.back().find(':'), path));
     }
 }
+
+TEST_CASE("source.csv plays a file of two sensors of one object by a node for each, on one clock", "[source.csv]") {
+    // x y time truth, or range azimuth time truth: the same columns mean other things.
+    const std::string text = "P 1 2 10 5 6\nA 9 0.5 11 5 7\nP 3 4 12 5 8\n";
+    const std::string common = "header: false, delimiter: space, object: 4, time: 4, start: 10, ";
+    const std::string truth = "{column: 5, component: true.position.x}, {column: 6, component: true.position.y}]";
+    Played places(text, common +
+                            "select: [{column: 1, value: P}], columns: [{column: 2, component: position.x}, "
+                            "{column: 3, component: position.y}, " +
+                            truth);
+    Played angles(text, common +
+                            "select: [{column: 1, value: A}], columns: [{column: 2, component: range}, "
+                            "{column: 3, component: azimuth}, " +
+                            truth);
+    REQUIRE(places.scans().size() == 2);
+    REQUIRE(angles.scans().size() == 1);
+    CHECK(places.scans()[1].message->time == 2 * second);
+    CHECK(angles.scans()[0].message->time == second);
+    CHECK(angles.scans()[0].scan().ids[0] == 2);
+    CHECK(value(angles.scans()[0], 0, 1) == 0.5);
+    REQUIRE(angles.truths().size() == 1);
+    CHECK(angles.truths()[0].truth().ids[0] == 4);
+    CHECK(pelorus::item(angles.truths()[0].truth().state, 0)(1, 0) == 7);
+    CHECK(places.truths()[1].truth().ids[0] == 4);
+}

@@ -94,6 +94,9 @@ void CsvSource::describe(pelorus::Describe<CsvSource>& plugin) {
             "left out where the node's frame stands on Earth");
     plugin.parameter("identity", &RowSettings::identity_column)
         .doc("column that says of which object the row is, as a whole number; empty: nobody knows, a false alarm");
+    plugin.parameter("object", &RowSettings::object)
+        .min(0)
+        .doc("identity of every row, of a recording of one object that has no column for it; instead of identity");
     auto select = plugin.table("select", &RowSettings::select);
     select.initially("[]").doc("only rows whose text in each column named is one of the values given for it");
     select.column("column", &Selection::column).doc("name in the header, or number from 1");

@@ -45,6 +45,7 @@ RowReader::RowReader(const std::filesystem::path& path, const RowSettings& setti
                      const GeodeticFrame& geodetic)
     : header_(settings.header),
       time_format_(settings.time_format),
+      object_(settings.object),
       reader_(path, settings.delimiter, settings.comment),
       plan_(plan),
       geodetic_(geodetic) {
@@ -168,8 +169,8 @@ void RowReader::read(Row& row) const {
     } catch (const pelorus::DataError& error) {
         throw pelorus::DataError("column '" + time_.name + "': " + error.what());
     }
-    row.identified = identity_ && !is_blank(*identity_);
-    if (row.identified) row.identity = read_identity();
+    row.identified = object_ || (identity_ && !is_blank(*identity_));
+    if (row.identified) row.identity = object_ ? static_cast<std::uint64_t>(*object_) : read_identity();
     const bool none = std::all_of(measured_.begin(), measured_.end(), [&](const Source& s) { return is_blank(s); });
     row.measured = !(none && row.identified && !true_position_.empty());
     std::array<double, 3> position{};

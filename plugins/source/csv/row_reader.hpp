@@ -45,6 +45,8 @@ struct RowSettings {
     std::string time_column;
     TimeFormat time_format = TimeFormat::iso8601;
     std::optional<std::string> identity_column;
+    std::optional<int> object;  ///< identity of every row, where no column tells one
+    bool identifies() const noexcept { return identity_column || object; }
     std::vector<Selection> select;
 };
 
@@ -98,6 +100,7 @@ private:
     const GeodeticFrame& geodetic_;
     Source time_;
     std::optional<Source> identity_;
+    std::optional<int> object_;
     std::vector<Wanted> select_;
     std::vector<Source> measured_, true_position_, true_velocity_;
     std::optional<Source> true_speed_, true_course_;

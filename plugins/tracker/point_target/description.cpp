@@ -5,6 +5,31 @@ namespace point_target {
 
 namespace {
 
+void describe_association(pelorus::Describe<PointTargetTracker>& plugin) {
+    plugin.parameter("association", &Parameters::association)
+        .initially("nearest")
+        .choices({{"nearest", "each track takes one detection or none: those of the least total cost"},
+                  {"joint", "each track takes all in its gate, weighted by joint probabilities (JPDA)"}})
+        .doc("how confirmed tracks and detections come together; tentative tracks take the nearest of what is left");
+    plugin.parameter("detection_probability", &Parameters::detection_probability)
+        .initially("0.9")
+        .above(0.0)
+        .below(1.0)
+        .doc("an object is measured in a scan with this probability; used by association: joint");
+    plugin.parameter("clutter_density", &Parameters::clutter_density)
+        .above(0.0)
+        .doc(
+            "false alarms a scan and unit of the measurement space, in SI (1/m2 for positions in a plane); absent: "
+            "estimated from each scan; used by association: joint");
+    plugin.parameter("most_joint_events", &Parameters::most_joint_events)
+        .initially("100000")
+        .min(2)
+        .max(10000000)
+        .doc(
+            "joint events of a cluster at most; from a larger cluster the weakest pairs are left out; used by "
+            "association: joint");
+}
+
 void describe_start(pelorus::Describe<PointTargetTracker>& plugin) {
     plugin.parameter("start", &Parameters::start)
         .initially("one_point")
@@ -47,10 +72,11 @@ void describe_end(pelorus::Describe<PointTargetTracker>& plugin) {
 }  // namespace
 
 void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin) {
-    plugin.title("Many point targets, global nearest neighbour")
+    plugin.title("Many point targets, global nearest neighbour or joint probabilities")
         .purpose(
             "Follows any number of objects that cause at most one measurement a scan each. Tracks gate the scan, the "
-            "gated pairs are assigned at the least total cost, exactly; what is left over begins new tracks, which are "
+            "gated pairs are assigned at the least total cost, exactly, or weighted by the probabilities of all joint "
+            "events; what is left over begins new tracks, which are "
             "confirmed by M of N; tracks without measurements coast and end. Works with any estimator and with sensors "
             "of "
             "which one at least tells a position by a single measurement. Tracks are predicted to the time of each "
@@ -58,11 +84,14 @@ void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin)
         .equation(
             "d^2 = e' S^-1 e, S = H P H' + R; gate: d^2 <= chi^2 quantile, and distance <= maximum_speed T + "
             "deviations; "
-            "cost = d^2 + ln det S")
+            "cost = d^2 + ln det S; joint: P(event) ~ product over its pairs of P_D N(e; 0, S) / (clutter_density "
+            "(1 - P_D P_G))")
         .source(
             "S. Blackman, R. Popoli, Design and Analysis of Modern Tracking Systems, Artech House 1999, ch. 6; R. "
             "Jonker, A. "
-            "Volgenant, Computing 38, 325-340, 1987");
+            "Volgenant, Computing 38, 325-340, 1987; T. Fortmann, Y. Bar-Shalom, M. Scheffe, Sonar Tracking of "
+            "Multiple Targets Using Joint Probabilistic Data Association, IEEE J. Oceanic Engineering 8(3), 173-184, "
+            "1983; Y. Bar-Shalom, T. Fortmann, Tracking and Data Association, Academic Press 1988, 9.3");
     plugin.slot("estimator", "estimator", 1, 1, "the filter of a track; its sensors are those whose scans may come");
     plugin.parameter("gate_probability", &Parameters::gate_probability)
         .initially("0.997")
@@ -75,6 +104,7 @@ void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin)
         .doc(
             "no object is faster: bounds where a track's next measurement can be, and which two points can begin a "
             "track");
+    describe_association(plugin);
     describe_start(plugin);
     describe_end(plugin);
     plugin.parameter("publish", &Parameters::publish_which)

@@ -20,6 +20,7 @@ void Models::setup(const pelorus::Setup& setup, double gate_probability) {
     if ((info.flags & PLR_ESTIMATOR_USES_EXTENT) != 0)
         throw pelorus::PartError("estimator", "its motion needs the extent of the target, points have none");
     smoothing_ = estimator_.extension<plr_estimator_smoothed>(PLR_ESTIMATOR_SMOOTHED);
+    mix_ = estimator_.extension<plr_estimator_mix>(PLR_ESTIMATOR_MIX);
     cartesian_ = pelorus::Space(*info.cartesian);
     record_size_ = static_cast<std::size_t>(info.record_size);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -141,6 +142,18 @@ void Models::update(const SensorModel& sensor, std::size_t n, const std::uint64_
     args.log_likelihood = args.innovation = args.innovation_covariance = pelorus::absent_output();
     const plr_call& call = start(n, ids);
     finish(estimator_.call(&plr_estimator::update, call, args), "update", n, failed);
+}
+
+bool Models::mix(std::uint64_t id, const std::vector<double>& weights, const double* records, double* out) {
+    auto args = pelorus::arguments<plr_estimator_mix_args>();
+    const std::int64_t hypotheses = wide(weights.size());
+    args.weights = pelorus::const_view(weights.data(), hypotheses, 1, 1);
+    args.records = pelorus::const_view(records, wide(record_size_), hypotheses, 1);
+    args.out = pelorus::view(out, wide(record_size_), 1, 1);
+    const plr_call& call = start(1, &id);
+    Failures failed;
+    finish(mix_->mix(estimator_.self(), &call, &args), "mix", 1, failed);
+    return failed.front() == 0;
 }
 
 void Models::summary(std::size_t n, const std::uint64_t* ids, const double* records, double* mean, double* covariance,

@@ -69,6 +69,10 @@ public:
                  double* measurement, double* covariance, Failures& failed);
     void update(const SensorModel& sensor, std::size_t n, const std::uint64_t* ids, const double* measurement,
                 const double* noise, double* records, Failures& failed);
+    /// Whether the estimator offers `mix`.
+    bool can_mix() const noexcept { return mix_ != nullptr; }
+    /// One record from weighted hypotheses (their records side by side) about the item `id`; false where it fails for these.
+    bool mix(std::uint64_t id, const std::vector<double>& weights, const double* records, double* out);
     /// Cartesian mean (c) and covariance (c x c).
     void summary(std::size_t n, const std::uint64_t* ids, const double* records, double* mean, double* covariance,
                  Failures& failed);
@@ -101,6 +105,7 @@ private:
     bool told_failure_ = false;
     pelorus::EstimatorPart estimator_;
     const plr_estimator_smoothed* smoothing_ = nullptr;
+    const plr_estimator_mix* mix_ = nullptr;
     std::vector<SensorModel> sensors_;
     pelorus::Space cartesian_;
     int axes_ = 0;

@@ -34,7 +34,8 @@ bool same(const std::vector<Entry>& a, const std::vector<Entry>& b) {
 TEST_CASE("tracker.point_target goes on bit for bit where its saved state left off", "[tracker.point_target]") {
     for (const char* with :
          {"{maximum_speed: 20 m/s, misses_to_delete: 3}", "{maximum_speed: 20 m/s, start: two_point, publish: all}",
-          "{maximum_speed: 20 m/s, misses: by_time, silence: 4 s, maximum_deviation: 6 m}"}) {
+          "{maximum_speed: 20 m/s, misses: by_time, silence: 4 s, maximum_deviation: 6 m}",
+          "{maximum_speed: 20 m/s, association: joint, detection_probability: 0.8}"}) {
         Rig whole(with), first(with), second(with);
         for (int k = 0; k < 25; ++k) {
             busy_scan(whole, k);

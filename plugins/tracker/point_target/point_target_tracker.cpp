@@ -7,12 +7,6 @@
 
 namespace point_target {
 
-namespace {
-
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
-
-}  // namespace
-
 void PointTargetTracker::setup(const pelorus::Setup& setup) {
     if (start_confirm > start_of)
         throw pelorus::ParameterError("start_confirm", "is greater than start_of; no track would ever be confirmed");
@@ -27,12 +21,28 @@ void PointTargetTracker::setup(const pelorus::Setup& setup) {
             if (models_.velocity(axis) < 0)
                 throw pelorus::PartError("estimator", "has no velocity on every axis, which start: two_point needs");
     }
+    if (association == Association::joint) check_joint();
     gating_.setup(maximum_speed);
     tracks_.setup(models_.record_size());
     frame_ = setup.frame();
     message_.emplace(frame_, models_.cartesian());
     diagnostics_ = setup.optional_service<plr_diagnostics>();
     log_ = setup.optional_service<plr_log>();
+}
+
+void PointTargetTracker::check_joint() const {
+    if (!models_.can_mix())
+        throw pelorus::PartError("estimator", "cannot mix hypotheses (it has no extension " PLR_ESTIMATOR_MIX
+                                              "), which association: joint needs");
+    if (!clutter_density) return;
+    const std::vector<SensorModel>& sensors = models_.sensors();
+    const pelorus::Space first(*sensors.front().part.info().measurement);
+    for (const SensorModel& sensor : sensors)
+        if (const pelorus::Space space(*sensor.part.info().measurement); space.text() != first.text())
+            throw pelorus::ParameterError("clutter_density",
+                                          "sensors " + sensors.front().name + " and " + sensor.name +
+                                              " measure different components, so that no one density suits both; "
+                                              "left out, it is estimated from each scan");
 }
 
 std::vector<pelorus::Stream> PointTargetTracker::in_streams(std::uint32_t port) const {
@@ -70,7 +80,10 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     outcomes_.assign(tracks_.size(), Outcome{});
     taken_.assign(detections_.size(), 0);
     gating_.run(models_, tracks_, detections_, scan_time_, predicts_all());
-    associate_tracks(true);
+    if (association == Association::joint)
+        associate_jointly();
+    else
+        associate_tracks(true);
     associate_tracks(false);
     associate_points();
     update_tracks();
@@ -108,16 +121,57 @@ bool PointTargetTracker::predicts_all() {
     return true;
 }
 
-/// Confirmed tracks choose first, so that a track that is a false alarm takes nothing from them.
-void PointTargetTracker::associate_tracks(bool confirmed) {
+/// Gated pairs of confirmed or of tentative tracks with detections that nobody has taken yet.
+std::vector<GatedPair> PointTargetTracker::free_pairs(bool confirmed) const {
     std::vector<GatedPair> pairs;
     for (const GatedPair& pair : gating_.pairs())
         if (tracks_[pair.track].confirmed() == confirmed && taken_[pair.detection] == 0) pairs.push_back(pair);
+    return pairs;
+}
+
+/// Confirmed tracks choose first, so that a track that is a false alarm takes nothing from them.
+void PointTargetTracker::associate_tracks(bool confirmed) {
+    const std::vector<GatedPair> pairs = free_pairs(confirmed);
     if (pairs.empty()) return;
     for (const std::size_t i : associate(pairs, detections_.sensor->gate)) {
-        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false, false};
+        outcomes_[pairs[i].track] = {pairs[i].detection, pairs[i].prediction, pairs[i].distance, false, false, none};
         taken_[pairs[i].detection] = 1;
     }
+}
+
+/// Confirmed tracks share the detections. One that is more probably some confirmed track's than nobody's is taken.
+void PointTargetTracker::associate_jointly() {
+    joint_.clear();
+    const std::vector<GatedPair> pairs = free_pairs(true);
+    if (pairs.empty()) return;
+    const SensorModel& sensor = *detections_.sensor;
+    assignment::DetectionModel model{detection_probability, gate_probability, 0};
+    model.clutter_density = clutter_density
+                                ? *clutter_density
+                                : estimated_clutter_density(pairs, sensor, detection_probability, gate_probability);
+    std::vector<assignment::LikelihoodRatio> ratios;
+    for (const GatedPair& pair : pairs)
+        ratios.push_back({pair.track, pair.detection,
+                          assignment::log_detection_ratio(pair.distance, pair.log_determinant, sensor.m, model)});
+    const assignment::JointWeights weights = assignment::associate_jointly(ratios, tracks_.size(), most_joint_events);
+    count("dropped_pairs", weights.dropped);
+    count("numeric_failures", joint_.run(models_, gating_, detections_, pairs, weights, tracks_));
+    std::vector<double> owned(detections_.size(), 0.0);
+    for (std::size_t k = 0; k < joint_.tracks().size(); ++k) {
+        const MixedTrack& mixed = joint_.tracks()[k];
+        Outcome& outcome = outcomes_[mixed.track];
+        outcome.mixture = k;
+        for (const Share& share : mixed.shares) owned[share.detection] += share.weight;
+        if (!mixed.seen()) continue;
+        outcome.detection = mixed.likeliest().detection;
+        outcome.distance = mixed.likeliest().distance;
+    }
+    for (std::size_t j = 0; j < owned.size(); ++j) taken_[j] = owned[j] > 0.5 ? 1 : 0;
+}
+
+/// The time that the record of an updated track stands at.
+std::int64_t PointTargetTracker::record_time(const Outcome& outcome) const {
+    return outcome.mixture != none ? joint_.tracks()[outcome.mixture].time : detections_.times[outcome.detection];
 }
 
 /// Single points find their second one among the detections that are left.
@@ -256,63 +310,8 @@ void PointTargetTracker::add_track(std::size_t detection, const double* record) 
     if (record == nullptr) track.covariance = place_covariance(detections_, detection);
     track.hits = track.scans = 0;  // settle() counts this scan
     tracks_.add(track, record);
-    outcomes_.push_back({detection, none, 0, false, false, false});
+    outcomes_.push_back({detection, none, 0, false, false, none});
     count("tracks_started", 1);
-}
-
-/// Counts hits and misses, confirms and ends.
-void PointTargetTracker::settle() {
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-        Track& track = tracks_[t];
-        Outcome& outcome = outcomes_[t];
-        if (counts_scans()) ++track.scans;
-        if (outcome.hit()) {
-            ++track.hits;
-            const std::int64_t time = detections_.times[outcome.detection];
-            const bool is_news = time >= track.seen;  // else it is from before a miss
-            if (is_news) track.misses = 0;
-            outcome.moved = time > track.time;
-            track.time = std::max(track.time, time);
-            track.seen = std::max(track.seen, time);
-            const std::int32_t before = track.status;
-            if (track.confirmed() ? is_news : track.hits >= start_confirm && track.has_record)
-                track.status = PLR_TRACK_CONFIRMED;
-            outcome.changed = track.status != before;
-            if (before == PLR_TRACK_TENTATIVE && track.confirmed()) ++confirmed_;
-        } else {
-            settle_miss(t);
-        }
-        outcome.removed = outcome.removed || has_ended(track);
-    }
-}
-
-void PointTargetTracker::settle_miss(std::size_t t) {
-    Track& track = tracks_[t];
-    Outcome& outcome = outcomes_[t];
-    if (gating_.failed(t)) {
-        count("numeric_failures", 1);
-        outcome.removed = true;
-        return;
-    }
-    if (!counts_scans()) return;
-    ++track.misses;
-    if (track.status == PLR_TRACK_CONFIRMED) {
-        track.status = PLR_TRACK_COASTING;
-        outcome.changed = true;
-    }
-    const std::size_t prediction = gating_.at_scan_time(t);
-    if (prediction == none) return;
-    const double* record = gating_.predicted(prediction);
-    std::copy(record, record + models_.record_size(), tracks_.record(t));
-    outcome.moved = scan_time_ > track.time;
-    track.time = scan_time_;
-}
-
-bool PointTargetTracker::has_ended(const Track& track) const {
-    if (silence && scan_time_ - track.seen > nanoseconds(*silence)) return true;
-    if (!counts_scans()) return false;
-    if (track.confirmed()) return track.misses >= misses_to_delete;
-    return track.hits + start_of - track.scans < start_confirm;
 }
 
 /// Means and covariances of all tracks that were updated or are to be published; those that have become too uncertain end.
@@ -324,9 +323,10 @@ void PointTargetTracker::summarise() {
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
         const Track& track = tracks_[t];
         const Outcome& outcome = outcomes_[t];
+        const bool mixed = outcome.mixture != none;
         const std::size_t ahead =
-            !outcome.hit() && !outcome.removed && track.time < scan_time_ ? gating_.at_scan_time(t) : none;
-        const bool judged = maximum_deviation && !outcome.hit() && (ahead != none || track.time == scan_time_);
+            !outcome.hit() && !mixed && !outcome.removed && track.time < scan_time_ ? gating_.at_scan_time(t) : none;
+        const bool judged = maximum_deviation && !outcome.hit() && (ahead != none || mixed || track.time == scan_time_);
         if (!track.has_record || !(outcome.hit() || is_published(t) || judged)) continue;
         const double* record = ahead == none ? tracks_.record(t) : gating_.predicted(ahead);
         wanted_.push_back({t, ahead == none ? track.time : scan_time_});

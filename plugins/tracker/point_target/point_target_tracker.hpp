@@ -1,4 +1,4 @@
-/// tracker.point_target: many point targets by gating and global nearest neighbour. See README.md.
+/// tracker.point_target: many point targets by gating and global nearest neighbour or joint probabilities. See README.md.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,11 @@
 #include <pelorus/stage.hpp>
 
 #include "gating.hpp"
+#include "joint_update.hpp"
 
 namespace point_target {
 
+enum class Association { nearest, joint };
 enum class Start { one_point, two_point };
 enum class Misses { per_scan, by_time };
 enum class Publish { updated, all };
@@ -17,6 +19,10 @@ enum class Tentative { hide, show };
 
 struct Parameters {
     double gate_probability = 0, maximum_speed = 0;  // -, m/s
+    Association association = Association::nearest;
+    double detection_probability = 0;
+    std::optional<double> clutter_density;  // 1 / unit of the measurement space, SI
+    int most_joint_events = 0;
     Start start = Start::one_point;
     int start_confirm = 3, start_of = 5, misses_to_delete = 5;
     Misses misses = Misses::per_scan;
@@ -61,7 +67,8 @@ private:
         double distance = 0;
         bool changed = false;  ///< of another status than before
         bool removed = false;
-        bool moved = false;  ///< to another time than before
+        std::size_t mixture = none;  ///< index into the tracks of the joint update, whose record the track has
+        bool moved = false;          ///< to another time than before
         bool hit() const noexcept { return detection != none; }
     };
     /// A track of which mean and covariance are wanted, and where they come from.
@@ -72,7 +79,10 @@ private:
 
     // A scan, step by step.
     bool predicts_all();
+    std::vector<GatedPair> free_pairs(bool confirmed) const;
     void associate_tracks(bool confirmed);
+    void associate_jointly();
+    std::int64_t record_time(const Outcome& outcome) const;
     void associate_points();
     void update_tracks();
     void bring_forward(const std::vector<std::size_t>& tracks, std::vector<double>& records, Failures& failed);
@@ -86,6 +96,8 @@ private:
     bool is_published(std::size_t track) const;
     void publish_tracks(std::int64_t time);
     void publish_smoothed(std::int64_t time);
+    void tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry);
+    void check_joint() const;
 
     bool counts_scans() const noexcept { return misses == Misses::per_scan && !late_; }
     void count(const char* name, std::size_t by) const;
@@ -102,6 +114,8 @@ private:
     bool late_ = false;
     Detections detections_;
     Gating gating_;
+    JointUpdate joint_;
+    std::vector<double> weights_;    // of the measurements told
     std::vector<Outcome> outcomes_;  // by track
     std::vector<char> taken_;        // by detection
     std::vector<Wanted> wanted_;

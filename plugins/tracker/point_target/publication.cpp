@@ -1,6 +1,4 @@
 // What the tracker tells after a scan.
-#include <cmath>
-
 #include "point_target_tracker.hpp"
 
 namespace point_target {
@@ -17,6 +15,7 @@ bool PointTargetTracker::is_published(std::size_t t) const {
 void PointTargetTracker::publish_tracks(std::int64_t time) {
     message_->clear();
     innovations_.clear();
+    weights_.clear();
     const auto c = static_cast<std::size_t>(models_.cartesian().size());
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
         const std::size_t t = wanted_[i].track;
@@ -32,17 +31,32 @@ void PointTargetTracker::publish_tracks(std::int64_t time) {
         entry.misses = track.misses;
         entry.mean = means_.data() + i * c;
         entry.covariance = covariances_.data() + i * c * c;
-        if (outcome.hit()) {
-            entry.measurements = {detections_.ids[outcome.detection]};
-            entry.distances = {outcome.distance};
-            // What starts a track was predicted by nothing.
-            if (outcome.prediction != none) innovations_.add(track.id, outcome.distance, detections_.sensor->m);
-        }
+        tell_measurements(outcome, track.id, entry);
         message_->add(entry);
         track.told = true;
     }
-    publish(tracks_out, message_->message(time));
+    plr_message told = message_->message(time);
+    plr_tracks tracks = *told.body.tracks;
+    if (association == Association::joint) tracks.measurement_weights = weights_.data();
+    told.body.tracks = &tracks;
+    publish(tracks_out, told);
     if (innovations_.count() > 0) publish(innovations_out, innovations_.message(time));
+}
+
+/// What starts a track was predicted by nothing, so that it has no innovation.
+void PointTargetTracker::tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry) {
+    const bool mixed = outcome.mixture != none;
+    if (outcome.hit() && (mixed || outcome.prediction != none))
+        innovations_.add(id, outcome.distance, detections_.sensor->m);
+    const auto tell = [&](const Share& share) {
+        entry.measurements.push_back(detections_.ids[share.detection]);
+        entry.distances.push_back(share.distance);
+        weights_.push_back(share.weight);
+    };
+    if (mixed)
+        for (const Share& share : joint_.tracks()[outcome.mixture].shares) tell(share);
+    else if (outcome.hit())
+        tell({outcome.detection, outcome.distance, 1});
 }
 
 /// How tracks were, as far back as the estimator tells: of each that has moved on and is that old.
@@ -72,7 +86,7 @@ void PointTargetTracker::publish_smoothed(std::int64_t time) {
         const std::size_t oldest = i * most + most - 1;
         pelorus::TrackEntry entry;
         entry.id = ids[i];
-        entry.time = tracks_[tracks[i]].time - std::llround(ages[oldest] * 1e9);
+        entry.time = tracks_[tracks[i]].time - nanoseconds(ages[oldest]);
         entry.status = PLR_TRACK_CONFIRMED;
         entry.mean = means.data() + oldest * c;
         entry.covariance = covariances.data() + oldest * c * c;

@@ -1,12 +1,12 @@
 /// trajectory.legs: an object that flies straight lines and arcs. See README.md.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include <pelorus/batch_model.hpp>
 
+#include "../../common/trajectories/life.hpp"
 #include "path.hpp"
 
 namespace legs {
@@ -17,7 +17,7 @@ struct Row {
     double acceleration = 0;          // m/s2
 };
 
-class Legs : public pelorus::Trajectory<Legs> {
+class Legs : public pelorus::Trajectory<Legs>, public trajectories::Life {
 public:
     static void describe(pelorus::Describe<Legs>& plugin) {
         plugin.title("Legs")
@@ -68,17 +68,14 @@ public:
             .above(0)
             .rows(2, 3)
             .doc("half axes along the velocity, to its left, and normal to both; absent: a point");
-        plugin.parameter("birth", &Legs::birth_).unit("s").initially("0 s").min(0).doc("when it appears, at `start`");
-        plugin.parameter("death", &Legs::death_).unit("s").above(0).doc("from when on it is gone; absent: never");
+        describe_life(plugin);
     }
 
     void setup(const pelorus::Setup&) {
         axes_ = static_cast<int>(start_.size());
-        if (semi_axes_) check_length("semi_axes", semi_axes_->size());
+        if (semi_axes_) trajectories::check_axes("semi_axes", semi_axes_->size(), axes_);
         path_.build(first(), legs());
-        birth_ns_ = nanoseconds("birth", birth_);
-        if (death_ && *death_ <= birth_) throw pelorus::ParameterError("death", "must be after birth");
-        death_ns_ = death_ ? nanoseconds("death", *death_) : std::numeric_limits<std::int64_t>::max();
+        begin_life();
         space_ = pelorus::kinematic_space(axes_, {1e6, 1e3, 1e2});
         info.state = space_.c();
         info.objects = 1;
@@ -90,41 +87,17 @@ public:
     void realise(const plr_call&, const plr_view& record) const { pelorus::expect(record, 0, 1, 1, "record"); }
 
     void states(const plr_call&, const plr_trajectory_states& args) const {
-        pelorus::expect(args.states, 3 * axes_, args.time_count, 1, "states");
-        if (args.extents.data != nullptr) pelorus::expect(args.extents, axes_ * axes_, args.time_count, 1, "extents");
-        args.ids[0] = 0;
-        args.parents[0] = -1;
-        args.births[0] = birth_ns_;
-        args.deaths[0] = death_ns_;
-        for (std::int64_t t = 0; t < args.time_count; ++t) {
+        answer(args, 3 * axes_, axes_, [&](std::int64_t t, double age) {
             double* state = args.states.data + t * args.states.col_stride;
-            double* extent = args.extents.data == nullptr ? nullptr : args.extents.data + t * args.extents.col_stride;
-            const std::int64_t time = args.times[t];
-            if (time < birth_ns_ || time >= death_ns_) {
-                std::fill_n(state, 3 * axes_, std::numeric_limits<double>::quiet_NaN());
-                if (extent != nullptr) std::fill_n(extent, axes_ * axes_, std::numeric_limits<double>::quiet_NaN());
-                continue;
-            }
-            const Motion motion = path_.at(static_cast<double>(time - birth_ns_) * 1e-9);
+            const Motion motion = path_.at(age);
             std::copy_n(motion.position, axes_, state);
             std::copy_n(motion.velocity, axes_, state + axes_);
             std::copy_n(motion.acceleration, axes_, state + 2 * axes_);
-            if (extent != nullptr) write_extent(motion, extent);
-        }
+            if (args.extents.data != nullptr) write_extent(motion, args.extents.data + t * args.extents.col_stride);
+        });
     }
 
 private:
-    static std::int64_t nanoseconds(const char* parameter, double seconds) {
-        if (!(seconds < 9e9))
-            throw pelorus::ParameterError(parameter, "is beyond what a clock of nanoseconds can tell (9e9 s)");
-        return std::llround(seconds * 1e9);
-    }
-    void check_length(const char* parameter, std::size_t size) const {
-        if (static_cast<int>(size) != axes_)
-            throw pelorus::ParameterError(
-                parameter, "has " + std::to_string(size) + " elements, start has " + std::to_string(axes_));
-    }
-
     Path::Start first() const {
         Path::Start out;
         std::copy(start_.begin(), start_.end(), out.position);
@@ -134,7 +107,7 @@ private:
             if (speed_ || heading_ || climb_)
                 throw pelorus::ParameterError("velocity",
                                               "stands instead of speed, heading and climb; give one or the other");
-            check_length("velocity", velocity_->size());
+            trajectories::check_axes("velocity", velocity_->size(), axes_);
             const std::vector<double>& v = *velocity_;
             level = std::hypot(v[0], v[1]);
             rise = axes_ == 3 ? v[2] : 0;
@@ -171,13 +144,12 @@ private:
     }
 
     std::vector<double> start_;
-    std::optional<double> speed_, heading_, climb_, death_;
+    std::optional<double> speed_, heading_, climb_;
     std::optional<std::vector<double>> velocity_, semi_axes_;
     std::vector<Row> rows_;
-    double birth_ = 0, turn_rate_ = 0;
+    double turn_rate_ = 0;
 
     int axes_ = 3;
-    std::int64_t birth_ns_ = 0, death_ns_ = 0;
     Path path_;
     pelorus::Space space_;
 };

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "../../../tests/support/airship_parts.hpp"
+#include "../../../tests/support/trajectory_under_test.hpp"
 
 namespace {
 
@@ -14,64 +14,11 @@ using Eigen::VectorXd;
 
 const double pi = std::acos(-1.0);
 
-/// A trajectory asked at any times (s).
-class Path {
-public:
-    explicit Path(const std::string& with) : instance_(bench_, plugin("trajectory", "legs"), with) {
-        Call call;
-        const plr_view record = pelorus::view(&unused_, 0, 1, 1);
-        REQUIRE(table().realise(instance_.self(), &static_cast<const plr_call&>(call), &record) == PLR_OK);
-    }
-    const plr_trajectory& table() const { return instance_.table<plr_trajectory>(); }
-    const plr_trajectory_info& info() const { return *table().info(instance_.self()); }
-
-    struct States {
-        MatrixXd states, extents;  ///< a column a time
-        std::int64_t birth, death;
-    };
-    States at(const std::vector<double>& seconds) const {
-        Call call;
-        std::vector<std::int64_t> times;
-        for (const double s : seconds) times.push_back(std::llround(s * 1e9));
-        const auto n = static_cast<std::int64_t>(times.size());
-        const std::int64_t c = info().state->size, d = info().extent_dimension;
-        States out{MatrixXd(c, n), MatrixXd(d * d, n), 0, 0};
-        std::uint64_t id = 7;
-        std::int64_t parent = 7;
-        auto args = pelorus::arguments<plr_trajectory_states>();
-        args.record = pelorus::const_view(&unused_, 0, 1, 1);
-        args.time_count = n;
-        args.times = times.data();
-        args.states = pelorus::view(out.states.data(), c, n, 1);
-        if (d != 0) args.extents = pelorus::view(out.extents.data(), d * d, n, 1);
-        args.ids = &id;
-        args.parents = &parent;
-        args.births = &out.birth;
-        args.deaths = &out.death;
-        REQUIRE(table().states(instance_.self(), &static_cast<const plr_call&>(call), &args) == PLR_OK);
-        CHECK(id == 0);
-        CHECK(parent == -1);
-        return out;
-    }
-    Vector3d position(double t) const { return at({t}).states.col(0).head(3); }
-    Vector3d velocity(double t) const { return at({t}).states.col(0).segment(3, 3); }
-    Vector3d acceleration(double t) const { return at({t}).states.col(0).tail(3); }
-
-private:
-    Bench bench_;
-    BenchInstance instance_;
-    double unused_ = 0;
+struct Path : TrajectoryUnderTest {
+    explicit Path(const std::string& with) : TrajectoryUnderTest("legs", with) {}
 };
 
-std::string refusal(const std::string& with) {
-    Bench bench;
-    try {
-        const BenchInstance instance(bench, plugin("trajectory", "legs"), with);
-        return "";
-    } catch (const std::exception& problem) {
-        return problem.what();
-    }
-}
+std::string refusal(const std::string& with) { return refusal_of("trajectory", "legs", with); }
 
 }  // namespace
 

@@ -29,7 +29,7 @@ public:
         std::uint64_t id = 0;
         std::int32_t axes = 0;
         std::vector<double> moments;  ///< axes positions, then axes velocities or none, then axes accelerations or none
-        std::vector<double> covariance;  ///< of positions and velocities, by columns; truth: empty
+        std::vector<double> covariance;  ///< of the moments, by columns; truth: empty
         std::vector<double> extent;      ///< d x d, m^2, by columns; empty: none
         /// How many derivatives the moments tell: 1 (positions) to 3.
         int derivatives() const noexcept { return axes == 0 ? 0 : static_cast<int>(moments.size()) / axes; }
@@ -88,11 +88,9 @@ public:
         for (std::int64_t i = 0; i < tracks.count; ++i) {
             if (tracks.status[i] != PLR_TRACK_CONFIRMED && tracks.status[i] != PLR_TRACK_COASTING) continue;
             Sample sample = layout.sample(tracks.ids[i], tracks.mean, tracks.extent, i);
-            const std::size_t known = std::min(layout.components.size(), 2 * static_cast<std::size_t>(layout.axes));
-            for (std::size_t col = 0; col < known; ++col)
-                for (std::size_t row = 0; row < known; ++row)
-                    sample.covariance.push_back(
-                        element(tracks.covariance, i, layout.components[row], layout.components[col]));
+            for (const int col : layout.components)
+                for (const int row : layout.components)
+                    sample.covariance.push_back(element(tracks.covariance, i, row, col));
             put(instants_[tracks.times[i]].estimates, std::move(sample));
             ids_.insert(tracks.ids[i]);
         }

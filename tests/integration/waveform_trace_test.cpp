@@ -1,0 +1,230 @@
+// The waveform paper's known answers (tests/reference/waveform_traces.json): 150 noise-free steps with each algorithm.
+#include "../support/estimator_under_test.hpp"
+#include "../support/reference.hpp"
+
+#include <catch2/catch.hpp>
+#include <deque>
+
+namespace {
+
+using namespace test_support;
+
+// Order of the state here -> order of the trace, which is [x, vx, ax, y, vy, ay].
+constexpr int traced[] = {0, 2, 4, 1, 3, 5};
+
+/// The paper's target: an acceleration that is piecewise linear, integrated exactly over each second; [p, v, a].
+class Target {
+public:
+    Eigen::VectorXd state() const {
+        Eigen::VectorXd x(6);
+        x << position_, velocity_, leg().at(static_cast<double>(time_));
+        return x;
+    }
+    void step() {
+        const Leg& now = leg();
+        const Eigen::Vector2d a0 = now.at(time_), a1 = now.at(time_ + 1.0);
+        position_ += velocity_ + a0 / 2.0 + (a1 - a0) / 6.0;
+        velocity_ += (a0 + a1) / 2.0;
+        ++time_;
+    }
+
+private:
+    struct Leg {
+        double from, to;
+        Eigen::Vector2d first, last;
+        Eigen::Vector2d at(double time) const { return first + (last - first) * ((time - from) / (to - from)); }
+    };
+    const Leg& leg() const {
+        static const Leg legs[] = {{0, 40, {0, -10}, {0, -10}},   {40, 50, {-20, -10}, {10, 120}},
+                                   {50, 100, {0, -10}, {0, -10}}, {100, 105, {-5, -10}, {0, 40}},
+                                   {105, 110, {0, 40}, {5, -10}}, {110, 1e9, {0, -10}, {0, -10}}};
+        for (const Leg& each : legs)
+            if (time_ < each.to) return each;
+        throw std::logic_error("no leg");
+    }
+
+    Eigen::Vector2d position_{432e3, 88e3}, velocity_{-2255, 397};
+    int time_ = 0;
+};
+
+Eigen::Vector3d seen(const Eigen::VectorXd& x) {
+    const double range = std::hypot(x(0), x(1));
+    return {range, (x(0) * x(2) + x(1) * x(3)) / range, std::atan2(x(1), x(0))};
+}
+
+/// A filter and what it is made of.
+struct Filter {
+    std::deque<Instance> parts;
+    const Instance* estimator = nullptr;
+    const Instance* waveform = nullptr;
+
+    Filter() { parts.emplace_back("sensor", "polar_rate", Values{{"noise", "[100 m, 10 m/s, 0.1 mrad]"}}); }
+    const Instance& cubature(const std::string& motion, Values values, const std::string& form) {
+        values["dimension"] = "2";
+        const Instance& sensor = parts.front();
+        const Instance& model = parts.emplace_back("motion", motion, values);
+        estimator =
+            &parts.emplace_back("estimator", "cubature", Values{{"form", form}},
+                                std::vector<Instance::Filled>{{"motion", "", &model}, {"sensors", "radar", &sensor}});
+        return *estimator;
+    }
+    void rotate(const std::string& rule) {
+        waveform = &parts.emplace_back("waveform", "ellipse_rotation", Values{{"rule", rule}});
+    }
+};
+
+/// The measurement noise that the waveform model chooses for a predicted record.
+Eigen::Matrix3d chosen_noise(const Instance& waveform, const EstimatorUnderTest& filter, const Batch& record,
+                             const Eigen::Matrix3d& base) {
+    Call call;
+    Batch mean(6, 1), covariance(6, 6), measurement(3, 1), projected(3, 3), cross(6, 3), native(6, 3), base_noise(3, 3),
+        noise(3, 3), dt(1, 1);
+    const auto part = waveform.as<pelorus::WaveformPart>();
+    Batch parameters(part.info().waveform->size, 1);
+    REQUIRE(filter.summary(call, record, mean, covariance) == PLR_OK);
+    REQUIRE(filter.project(call, 0, record, measurement, projected, native, &cross) == PLR_OK);
+    base_noise[0] = base;
+    dt[0].setOnes();
+    auto args = pelorus::arguments<plr_waveform_choose>();
+    args.mean = mean.in();
+    args.covariance = covariance.in();
+    args.projected = projected.in();
+    args.cross = cross.in();
+    args.base_noise = base_noise.in();
+    args.waveform = parameters.out();
+    args.noise = noise.out();
+    args.criterion = pelorus::absent_output();
+    args.dt = dt.in();
+    args.cartesian = filter.info().cartesian;
+    REQUIRE(part.call(&plr_waveform::choose, call, args) == PLR_OK);
+    return noise[0];
+}
+
+/// Differences that count: 1e-6 of the larger of the figure and a floor that rounding of 1e5 m positions leaves.
+double deviation(double made, double known, double floor) {
+    return std::fabs(made - known) / std::max(std::fabs(known), floor);
+}
+
+/// Runs the filter without noise; `visit(k, filter, record, R)` after each update.
+template <class Visit> void run(const Filter& made, Visit visit) {
+    const EstimatorUnderTest filter(*made.estimator);
+    Target target;
+    Eigen::VectorXd start = target.state(), offset(6), deviations(6);
+    offset << 100, -100, 10, -10, 1, -1;
+    deviations << 100, 100, 10, 10, 1, 1;
+    Call call;
+    Batch mean(6, 1), covariance(6, 6), record(filter.record_size(), 1), measurement(3, 1), noise(3, 3), dt(1, 1);
+    mean[0] = start + offset;
+    covariance[0] = deviations.cwiseAbs2().asDiagonal();
+    REQUIRE(filter.init(call, {0, 1, 2, 3, 4, 5}, mean, covariance, record) == PLR_OK);
+    const Eigen::Matrix3d base = Eigen::Vector3d(1e4, 1e2, 1e-8).asDiagonal();
+    dt[0].setOnes();
+    for (int k = 1; k <= 150; ++k) {
+        target.step();
+        REQUIRE(filter.predict(call, dt.in(), record, record) == PLR_OK);
+        noise[0] = made.waveform == nullptr ? base : chosen_noise(*made.waveform, filter, record, base);
+        measurement[0] = seen(target.state());
+        EstimatorUnderTest::Told told(3, 1);
+        REQUIRE(filter.update(call, 0, record, measurement, noise.in(), record, told) == PLR_OK);
+        REQUIRE(filter.summary(call, record, mean, covariance) == PLR_OK);
+        visit(k, Eigen::VectorXd(mean[0] - target.state()), Eigen::MatrixXd(covariance[0]), record,
+              Eigen::Matrix3d(noise[0]));
+    }
+}
+
+void check_trace(const Filter& filter, const std::string& name) {
+    const nlohmann::json trace = reference("waveform_traces.json").at(name);
+    int compared = 0;
+    run(filter, [&](int k, const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance, const Batch&,
+                    const Eigen::Matrix3d& noise) {
+        const std::string step = std::to_string(k);
+        if (!trace.contains(step)) return;
+        const nlohmann::json& known = trace.at(step);
+        CAPTURE(name, k);
+        for (int i = 0; i < 6; ++i) {
+            const int here = i % 3 * 2 + i / 3;
+            CAPTURE(i);
+            CHECK(deviation(error(here), known.at("err").at(i), 0.01) < 1e-6);
+            if (known.contains("sd"))
+                CHECK(deviation(std::sqrt(covariance(here, here)), known.at("sd").at(i), 0) < 1e-6);
+        }
+        if (known.contains("R")) {
+            CHECK(deviation(noise(0, 0), known.at("R").at(0), 0) < 1e-6);
+            CHECK(deviation(noise(0, 1), known.at("R").at(1), 1) < 1e-6);
+            CHECK(deviation(noise(1, 1), known.at("R").at(2), 0) < 1e-6);
+            CHECK(noise.topLeftCorner(2, 2).determinant() == Approx(1e6).epsilon(1e-12));
+        }
+        ++compared;
+    });
+    CHECK(compared == static_cast<int>(trace.size()));
+}
+
+}  // namespace
+
+TEST_CASE("the waveform paper's motion models repeat their traces", "[waveform]") {
+    const auto form = GENERATE(as<std::string>(), "square_root", "covariance");
+    CAPTURE(form);
+    {
+        Filter filter;
+        filter.cubature("adaptive_constant_acceleration", {}, form);
+        check_trace(filter, "ACA");
+    }
+    {
+        Filter filter;
+        filter.cubature("adaptive_constant_acceleration", {{"noise_form", "white_jerk"}}, form);
+        check_trace(filter, "ACA_cont");
+    }
+    {
+        Filter filter;
+        filter.cubature("constant_acceleration", {{"form", "discrete"}, {"acceleration", "1"}}, form);
+        check_trace(filter, "CA1");
+    }
+    {
+        Filter filter;
+        filter.cubature("current_statistical",
+                        {{"maneuver_rate", "0.6"}, {"maximum_acceleration", "100"}, {"minimum_acceleration", "-120"}},
+                        form);
+        check_trace(filter, "CS");
+    }
+}
+
+TEST_CASE("the rotated ellipse repeats its traces", "[waveform]") {
+    for (const auto& [rule, name] : {std::pair("published", "ACA_W22"), std::pair("exact", "ACA_Wx")}) {
+        Filter filter;
+        filter.cubature("adaptive_constant_acceleration", {}, "square_root");
+        filter.rotate(rule);
+        check_trace(filter, name);
+    }
+}
+
+TEST_CASE("the waveform paper's three models repeat their trace and probabilities", "[waveform]") {
+    Filter filter;
+    const Instance* const cv = &filter.cubature(
+        "constant_velocity", {{"form", "discrete"}, {"acceleration", "0.1"}, {"acceleration_deviation", "1e-3"}},
+        "square_root");
+    const Instance* const quiet =
+        &filter.cubature("constant_acceleration", {{"form", "discrete"}, {"acceleration", "1"}}, "square_root");
+    const Instance* const swift =
+        &filter.cubature("constant_acceleration", {{"form", "discrete"}, {"acceleration", "100"}}, "square_root");
+    filter.estimator = &filter.parts.emplace_back(
+        "estimator", "imm", Values{{"stay", "0.9"}},
+        std::vector<Instance::Filled>{
+            {"estimators", "cv", cv}, {"estimators", "quiet", quiet}, {"estimators", "swift", swift}});
+    check_trace(filter, "IMM");
+
+    const EstimatorUnderTest imm(*filter.estimator);
+    const auto* const modes = imm.part().extension<plr_estimator_modes>(PLR_ESTIMATOR_MODES);
+    REQUIRE(modes != nullptr);
+    const nlohmann::json trace = reference("waveform_traces.json").at("IMM");
+    run(filter,
+        [&](int k, const Eigen::VectorXd&, const Eigen::MatrixXd&, const Batch& record, const Eigen::Matrix3d&) {
+            if (!trace.contains(std::to_string(k))) return;
+            Call call;
+            Batch probabilities(3, 1);
+            const plr_const_view from = record.in();
+            const plr_view to = probabilities.out();
+            REQUIRE(modes->probabilities(imm.part().self(), &static_cast<const plr_call&>(call), &from, &to) == PLR_OK);
+            for (int j = 0; j < 3; ++j)
+                CHECK(deviation(probabilities[0](j), trace.at(std::to_string(k)).at("mu").at(j), 1e-3) < 1e-6);
+        });
+}
