@@ -7,7 +7,8 @@
 
 namespace filter_inside {
 
-/// Derived calls hold() in its setup, then fills what differs in `info`.
+/// Derived calls hold() in its setup, then fills what differs in `info`. Its `void examine(const double* record) const` throws
+/// NumericError where a finite record is none of its own.
 template <class Derived> class FilterInside : public pelorus::Estimator<Derived> {
 public:
     static constexpr bool assignable = false;
@@ -44,16 +45,25 @@ protected:
     template <class View> void expect_record(const View& records, std::int64_t count, const char* what) const {
         batches::expect_packed(records, this->info.record_size, 1, count, what);
     }
-    void copy(const plr_const_view& from, const plr_view& to) const noexcept {
-        if (from.data == to.data) return;
-        for (std::int64_t i = 0; i < to.count; ++i)
-            std::copy_n(batches::at(from, i), this->info.record_size, batches::at(to, i));
+    /// Throws NumericError unless it is a record that can be worked with.
+    void expect_sound(const double* record) const {
+        if (!batches::all_finite(record, this->info.record_size))
+            throw pelorus::NumericError("the record is not finite");
+        static_cast<const Derived&>(*this).examine(record);
+    }
+    /// Copies sound records; the others fail.
+    plr_status copy(const plr_call& call, const plr_const_view& from, const plr_view& to) const {
+        return pelorus::for_items(call, to.count, [&](std::int64_t i) {
+            const double* const record = batches::at(from, i);
+            expect_sound(record);
+            if (record != batches::at(to, i)) std::copy_n(record, this->info.record_size, batches::at(to, i));
+        });
     }
     /// The filter's own update of the records in args.out, which get the rest of args.record first.
     plr_status update_inside(const plr_call& call, const plr_estimator_update& args) const {
         expect_record(args.record, args.out.count, "record");
         expect_record(args.out, args.out.count, "out");
-        copy(args.record, args.out);
+        if (const plr_status copied = copy(call, args.record, args.out); copied < 0) return copied;
         plr_estimator_update own = args;
         own.record = inside(pelorus::as_const(args.out));
         own.out = inside(args.out);

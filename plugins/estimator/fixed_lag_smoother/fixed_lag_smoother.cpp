@@ -1,6 +1,7 @@
 // What the smoother is made from, and the calls that it hands on to its filter.
 #include "fixed_lag_smoother.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include <pelorus/abi/record.h>
@@ -64,6 +65,13 @@ void FixedLagSmoother::setup(const pelorus::Setup& setup) {
 
 const void* FixedLagSmoother::extension(const char* id) const noexcept {
     return std::strcmp(id, PLR_ESTIMATOR_SMOOTHED) == 0 ? &smoothed_ : nullptr;
+}
+
+/// A record comes from a file, too.
+void FixedLagSmoother::examine(const double* record) const {
+    const double steps = record[0];
+    if (!(steps >= 0 && steps <= lag_ && steps == std::floor(steps)))
+        throw pelorus::NumericError("the record is not one of this estimator");
 }
 
 void FixedLagSmoother::ask_moments(const plr_call& call, const plr_const_view& records, const Memory& out) const {

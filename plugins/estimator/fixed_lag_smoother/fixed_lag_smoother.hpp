@@ -29,6 +29,7 @@ public:
     }
     plr_status smoothed(const plr_call& call, const plr_estimator_smoothed_args& args) const;
     const void* extension(const char* id) const noexcept;
+    void examine(const double* record) const;
 
 private:
     /// Where the numbers of a step are.

@@ -26,10 +26,7 @@ plr_status FixedLagSmoother::predict(const plr_call& call, const plr_estimator_p
     expect_record(args.out, args.out.count, "out");
     return batches::in_runs(
         call, args,
-        [&](const plr_call&, const plr_estimator_predict& run) {
-            copy(run.record, run.out);
-            return static_cast<plr_status>(PLR_OK);
-        },
+        [&](const plr_call& here, const plr_estimator_predict& run) { return copy(here, run.record, run.out); },
         [&](const plr_call& here, const plr_estimator_predict& run) { return move(here, run); });
 }
 
@@ -55,7 +52,7 @@ plr_status FixedLagSmoother::move_block(const plr_call& call, const plr_estimato
     const Memory before = moments_in(memory);
     const Memory after = moments_in(memory + batches::block_size * (n_ + n_ * n_));
     double* const transitions = memory + 2 * batches::block_size * (n_ + n_ * n_);
-    copy(args.record, args.out);
+    if (const plr_status copied = copy(call, args.record, args.out); copied < 0) return copied;
     const plr_const_view records = pelorus::as_const(args.out);
     ask_moments(call, records, before);
     auto derive = pelorus::arguments<plr_motion_jacobian>();
@@ -163,6 +160,8 @@ plr_status FixedLagSmoother::smooth_block(const plr_call& call, const plr_estima
                                           double* memory) const {
     const std::int64_t items = args.mean.count, most = lag_ + 1;
     const bool is_wanted = args.covariance.data != nullptr;
+    const plr_status sound = pelorus::for_items(call, items, [&](std::int64_t i) { expect_sound(at(args.record, i)); });
+    if (sound < 0) return sound;
     const Memory state = moments_in(memory);
     auto newest = pelorus::arguments<plr_estimator_moments>();
     newest.record = inside(args.record);

@@ -103,6 +103,20 @@ std::int64_t OutOfSequence::measured(std::int32_t sensor) const {
     return measured_[static_cast<std::size_t>(sensor)];
 }
 
+/// A record comes from a file, too.
+void OutOfSequence::examine(const double* record) const {
+    const double kept = record[0];
+    bool is_own = kept >= 1 && kept <= depth_ + 1 && kept == std::floor(kept) && record[1] <= 0;
+    const double* at_entry = record + header + own_;
+    for (std::int64_t k = 0; is_own && k < entries(record); ++k, at_entry += entry_size_) {
+        const double sensor = at_entry[1];
+        is_own = at_entry[0] <= 0 && sensor >= -1 && sensor < static_cast<double>(measured_.size()) &&
+                 sensor == std::floor(sensor) && (k == 0 || (sensor >= 0 && at_entry[0] >= *(at_entry - entry_size_)));
+    }
+    if (!is_own || record[1] < record[header + own_] - same_time)
+        throw pelorus::NumericError("the record is not one of this estimator");
+}
+
 /// The start is the first entry: no measurement, but a record to go on from.
 plr_status OutOfSequence::init(const plr_call& call, const plr_estimator_init& args) const {
     const std::int64_t count = args.record.count;
@@ -150,11 +164,12 @@ plr_status OutOfSequence::predict(const plr_call& call, const plr_estimator_pred
         if (goes_on(args, first)) {
             status = go_on(here, run);
         } else {
-            status = pelorus::for_items(here, 1, [&](std::int64_t) {
-                copy(run.record, run.out);
-                double* const record = run.out.data;
-                if (const double dt = run.dt.data[0]; dt != 0.0) go_to(here, record, record[1] + dt);
-            });
+            status = copy(here, run.record, run.out);
+            if (status == PLR_OK)
+                status = pelorus::for_items(here, 1, [&](std::int64_t) {
+                    double* const record = run.out.data;
+                    if (const double dt = run.dt.data[0]; dt != 0.0) go_to(here, record, record[1] + dt);
+                });
         }
         if (status < 0) return status;
         if (status != PLR_OK) result = status;
@@ -163,7 +178,7 @@ plr_status OutOfSequence::predict(const plr_call& call, const plr_estimator_pred
 }
 
 plr_status OutOfSequence::go_on(const plr_call& call, const plr_estimator_predict& args) const {
-    copy(args.record, args.out);
+    if (const plr_status copied = copy(call, args.record, args.out); copied < 0) return copied;
     plr_estimator_predict step = args;
     step.record = inside(pelorus::as_const(args.out));
     step.out = inside(args.out);

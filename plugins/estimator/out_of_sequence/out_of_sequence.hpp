@@ -20,6 +20,7 @@ public:
     plr_status predict(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status update(const plr_call& call, const plr_estimator_update& args) const;
     const void* extension(const char* id) const noexcept;
+    void examine(const double* record) const;
 
 private:
     /// Where the numbers of an entry are.

@@ -157,6 +157,13 @@ void Particle::PartCall::require(plr_status status) const {
                            error_.message[0] == 0 ? "a part failed without a message" : error_.message, error_.where);
 }
 
+/// Throws NumericError unless it is a record that can be worked with: it comes from a file, too.
+void Particle::expect_sound(const double* record) const {
+    constexpr double most_draws = 9e15;  // whole numbers are exact
+    if (!batches::all_finite(record, info.record_size) || !(record[0] >= 0 && record[0] < most_draws))
+        throw pelorus::NumericError("the record is not finite, or not one of this estimator");
+}
+
 /// The key of one drawing for one track: each drawing of a track has its own, although its caller gives one a step.
 plr_key Particle::draw(const plr_call& call, std::int64_t item, double* draws) const {
     if (call.keys == nullptr) throw pelorus::ArgumentError("keys: are missing; this filter draws random numbers");
@@ -256,6 +263,7 @@ plr_status Particle::tell(const plr_call& call, const plr_estimator_moments& arg
 
 void Particle::tell_item(const plr_call& call, const plr_estimator_moments& args, std::int64_t item, bool is_cartesian,
                          const Memory& memory) const {
+    expect_sound(at(args.record, item));
     const auto from = cloud(at(args.record, item));
     const std::int64_t size = is_cartesian ? c_ : n_;
     const std::vector<int>& angles = is_cartesian ? cartesian_angles_ : state_angles_;

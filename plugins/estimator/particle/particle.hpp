@@ -69,6 +69,7 @@ private:
     };
 
     void add_sensor(const pelorus::SensorPart& part);
+    void expect_sound(const double* record) const;
     const SensorInSlot& sensor(std::int32_t index) const;
     plr_key draw(const plr_call& call, std::int64_t item, double* draws) const;
 

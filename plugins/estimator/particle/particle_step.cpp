@@ -13,6 +13,12 @@ using pelorus::NumericError;
 using pelorus::Scratch;
 namespace small = pelorus::small;
 
+namespace {
+
+constexpr double least_log_weight = -1e6;
+
+}  // namespace
+
 // -------------------------------------------------------------------------------------------------- prediction
 
 plr_status Particle::predict(const plr_call& call, const plr_estimator_predict& args) const {
@@ -21,6 +27,7 @@ plr_status Particle::predict(const plr_call& call, const plr_estimator_predict& 
     expect_packed(args.out, info.record_size, 1, args.out.count, "out");
     const Scratch scratch(call, memory_doubles());
     return pelorus::for_items(call, args.out.count, [&](std::int64_t i) {
+        expect_sound(at(args.record, i));
         if (args.out.data != args.record.data) std::copy_n(at(args.record, i), info.record_size, at(args.out, i));
         const double dt = at(args.dt, i)[0];
         if (dt < 0) throw pelorus::UnsupportedError("dt is below 0; noise that has been drawn is not taken back");
@@ -193,6 +200,7 @@ plr_status Particle::project(const plr_call& call, const plr_estimator_project& 
 void Particle::project_item(const plr_call& call, const plr_estimator_project& args, std::int64_t item,
                             const Memory& memory) const {
     const SensorInSlot& by = sensor(args.sensor);
+    expect_sound(at(args.record, item));
     const auto own = cloud(at(args.record, item));
     const PartCall part(call, item);
     for (std::int64_t i = 0; i < size_; ++i) memory.weights[i] = std::exp(own.log_weights[i]);
@@ -206,6 +214,7 @@ void Particle::project_item(const plr_call& call, const plr_estimator_project& a
             deviation(points + i * size, mean.data(), size, angles, apart.data());
             add_outer(memory.weights[i], apart.data(), size, memory.apart + i * by.m, by.m, out);
         }
+        if (!batches::all_finite(out, size * by.m)) throw NumericError("the cross-covariance is not finite");
     };
     if (args.cross.data != nullptr) tell_cross(own.points, n_, state_angles_, at(args.cross, item));
     if (args.cartesian_cross.data != nullptr)
@@ -229,6 +238,7 @@ plr_status Particle::update(const plr_call& call, const plr_estimator_update& ar
         expect_packed(args.innovation_covariance, m, m, count, "innovation_covariance");
     const Scratch scratch(call, memory_doubles());
     return pelorus::for_items(call, count, [&](std::int64_t i) {
+        expect_sound(at(args.record, i));
         if (args.out.data != args.record.data) std::copy_n(at(args.record, i), info.record_size, at(args.out, i));
         update_item(call, args, i, memory(scratch.data()));
     });
@@ -289,7 +299,8 @@ double Particle::weigh(const PartCall& part, const SensorInSlot& by, const doubl
     for (std::int64_t i = 0; i < size_; ++i) sum += std::exp(of.log_weights[i] - greatest);
     const double total = greatest + std::log(sum);
     if (!std::isfinite(total)) throw NumericError("no particle explains the measurement");
-    for (std::int64_t i = 0; i < size_; ++i) of.log_weights[i] -= total;
+    // What is as good as no weight stays a finite number.
+    for (std::int64_t i = 0; i < size_; ++i) of.log_weights[i] = std::max(of.log_weights[i] - total, least_log_weight);
     return total;
 }
 

@@ -19,8 +19,8 @@ void Models::setup(const pelorus::Setup& setup, double gate_probability) {
     const plr_estimator_info& info = estimator_.info();
     if ((info.flags & PLR_ESTIMATOR_USES_EXTENT) != 0)
         throw pelorus::PartError("estimator", "its motion needs the extent of the target, points have none");
-    mix_ = estimator_.extension<plr_estimator_mix>(PLR_ESTIMATOR_MIX);
     smoothing_ = estimator_.extension<plr_estimator_smoothed>(PLR_ESTIMATOR_SMOOTHED);
+    mix_ = estimator_.extension<plr_estimator_mix>(PLR_ESTIMATOR_MIX);
     cartesian_ = pelorus::Space(*info.cartesian);
     record_size_ = static_cast<std::size_t>(info.record_size);
     for (std::size_t a = 0; a < 3; ++a) {

@@ -104,8 +104,8 @@ private:
     pelorus::Caller caller_;
     bool told_failure_ = false;
     pelorus::EstimatorPart estimator_;
-    const plr_estimator_mix* mix_ = nullptr;
     const plr_estimator_smoothed* smoothing_ = nullptr;
+    const plr_estimator_mix* mix_ = nullptr;
     std::vector<SensorModel> sensors_;
     pelorus::Space cartesian_;
     int axes_ = 0;

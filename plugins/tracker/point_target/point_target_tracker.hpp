@@ -67,8 +67,8 @@ private:
         double distance = 0;
         bool changed = false;  ///< of another status than before
         bool removed = false;
-        bool moved = false;          ///< to another time than before
         std::size_t mixture = none;  ///< index into the tracks of the joint update, whose record the track has
+        bool moved = false;          ///< to another time than before
         bool hit() const noexcept { return detection != none; }
     };
     /// A track of which mean and covariance are wanted, and where they come from.
@@ -95,9 +95,9 @@ private:
     void remember(std::size_t track, const double* mean, const double* covariance);
     bool is_published(std::size_t track) const;
     void publish_tracks(std::int64_t time);
+    void publish_smoothed(std::int64_t time);
     void tell_measurements(const Outcome& outcome, std::uint64_t id, pelorus::TrackEntry& entry);
     void check_joint() const;
-    void publish_smoothed(std::int64_t time);
 
     bool counts_scans() const noexcept { return misses == Misses::per_scan && !late_; }
     void count(const char* name, std::size_t by) const;

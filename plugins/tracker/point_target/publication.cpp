@@ -1,6 +1,4 @@
 // What the tracker tells after a scan.
-#include <cmath>
-
 #include "point_target_tracker.hpp"
 
 namespace point_target {
@@ -88,7 +86,7 @@ void PointTargetTracker::publish_smoothed(std::int64_t time) {
         const std::size_t oldest = i * most + most - 1;
         pelorus::TrackEntry entry;
         entry.id = ids[i];
-        entry.time = tracks_[tracks[i]].time - std::llround(ages[oldest] * 1e9);
+        entry.time = tracks_[tracks[i]].time - nanoseconds(ages[oldest]);
         entry.status = PLR_TRACK_CONFIRMED;
         entry.mean = means.data() + oldest * c;
         entry.covariance = covariances.data() + oldest * c * c;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "measurement_grid.hpp"
 
 namespace point_target {
+
+inline std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 /// What is kept of a track besides its estimator record.
 struct Track {
