@@ -10,12 +10,13 @@ namespace batches {
 
 constexpr std::int64_t block_size = 16;
 
-/// Calls body(call of the block, first item, items) for one block after another; the body answers a status. Stops at the first
-/// status that concerns the whole call.
-template <class Body> plr_status in_blocks(const plr_call& call, std::int64_t count, Body&& body) {
+/// Calls body(call of the block, first item, items) for one block of up to `size` items after another; the body answers a
+/// status. Stops at the first status that concerns the whole call.
+template <class Body>
+plr_status in_blocks(const plr_call& call, std::int64_t count, Body&& body, std::int64_t size = block_size) {
     plr_status result = PLR_OK;
-    for (std::int64_t first = 0; first < count; first += block_size) {
-        const plr_status status = body(pelorus::slice(call, first), first, std::min(block_size, count - first));
+    for (std::int64_t first = 0; first < count; first += size) {
+        const plr_status status = body(pelorus::slice(call, first), first, std::min(size, count - first));
         if (status < 0) return status;
         if (status != PLR_OK) result = PLR_ITEMS_FAILED;
     }

@@ -20,7 +20,7 @@ template <int N, int max_n> void append_columns(int size, double* l, double* c, 
     for (int r = 0; r < n; ++r) {
         double tail = 0.0;
         for (int j = 0; j < k; ++j) tail += c[j * n + r] * c[j * n + r];
-        if (!(tail > 0.0)) continue;
+        if (tail == 0.0) continue;
         double* const column = l + r * n;
         const double head = column[r], norm = std::sqrt(head * head + tail);
         const double v = -tail / (head + norm);  // head - norm without cancellation

@@ -110,9 +110,9 @@ void Filter::check_update(const plr_estimator_update& args, std::int64_t m) cons
         expect_packed(args.innovation_covariance, m, m, count, "innovation_covariance");
 }
 
-void Filter::noise(const plr_call& call, const plr_const_view& dt, const plr_const_view& extent,
-                   const plr_const_view& records, const plr_const_view& covariance, const plr_const_view& predicted,
-                   const plr_view& out) const {
+plr_motion_noise Filter::noise_arguments(const plr_const_view& dt, const plr_const_view& extent,
+                                         const plr_const_view& records, const plr_const_view& covariance,
+                                         const plr_const_view& predicted, const plr_view& out) const noexcept {
     auto ask = pelorus::arguments<plr_motion_noise>();
     ask.dt = pelorus::slice(dt, 0, out.count);
     ask.state = pelorus::slice(mean(records), 0, out.count);
@@ -121,7 +121,13 @@ void Filter::noise(const plr_call& call, const plr_const_view& dt, const plr_con
     ask.extent = pelorus::slice(extent, 0, out.count);
     ask.record = pelorus::slice(motion_record(records), 0, out.count);
     ask.out = out;
-    tolerate(motion_.call(&plr_motion::noise, call, ask));
+    return ask;
+}
+
+void Filter::noise(const plr_call& call, const plr_const_view& dt, const plr_const_view& extent,
+                   const plr_const_view& records, const plr_const_view& covariance, const plr_const_view& predicted,
+                   const plr_view& out) const {
+    tolerate(motion_.call(&plr_motion::noise, call, noise_arguments(dt, extent, records, covariance, predicted, out)));
 }
 
 void Filter::advance(const plr_call& call, const plr_const_view& dt, const plr_const_view& records,

@@ -61,6 +61,9 @@ protected:
     void noise(const plr_call& call, const plr_const_view& dt, const plr_const_view& extent,
                const plr_const_view& records, const plr_const_view& covariance, const plr_const_view& predicted,
                const plr_view& out) const;
+    plr_motion_noise noise_arguments(const plr_const_view& dt, const plr_const_view& extent,
+                                     const plr_const_view& records, const plr_const_view& covariance,
+                                     const plr_const_view& predicted, const plr_view& out) const noexcept;
     /// The motion's record after that step, where it has one.
     void advance(const plr_call& call, const plr_const_view& dt, const plr_const_view& records,
                  const plr_const_view& covariance, const plr_view& out) const;

@@ -46,8 +46,7 @@ PointRule gauss_hermite_rule(int n, int order) {
     using Table = pelorus::small::Bounded<max_order, max_order>;
     Table recurrence = Table::Zero(order, order), vectors(order, order);
     Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_order, 1> nodes(order);
-    for (int k = 1; k < order; ++k)
-        recurrence(k, k - 1) = recurrence(k - 1, k) = std::sqrt(static_cast<double>(k));
+    for (int k = 1; k < order; ++k) recurrence(k, k - 1) = recurrence(k - 1, k) = std::sqrt(static_cast<double>(k));
     if (!pelorus::small::symmetric_eigen(recurrence, nodes, vectors)) return {};
     std::array<double, max_order> node{}, weight{};
     for (int k = 0; k < order; ++k) {  // symmetric about 0, but for rounding

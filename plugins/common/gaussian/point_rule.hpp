@@ -9,8 +9,8 @@ namespace gaussian {
 
 /// Point 0 is the centre, of weight 0 where the rule has none: means and differences of angles are taken about it.
 struct PointRule {
-    std::int64_t size = 0;       // components of xi
-    std::vector<double> points;  // size x p, column-major
+    std::int64_t size = 0;                                 // components of xi
+    std::vector<double> points;                            // size x p, column-major
     std::vector<double> mean_weights, covariance_weights;  // [p]; those of a covariance differ at the centre alone
     /// Points are the centre and +-scale along the axes, +e1 -e1 +e2 -e2 ..., all pairs of one weight, 1/(2 scale^2).
     bool is_star = false;

@@ -41,7 +41,9 @@ template <int N> Outcome predict_root(int size, const Image& image, const Motion
     constexpr int max_n = bound<N, max_state>();
     const int n = N > 0 ? N : size;
     Square<N> s(n, n);
-    if (noise.columns == 0) {
+    if (noise.kind == MotionNoise::Kind::triangle) {
+        std::copy_n(noise.data, n * n, s.data());
+    } else if (noise.kind == MotionNoise::Kind::covariance) {
         if (!small::cholesky_semidefinite(Eigen::Map<const Square<N>>(noise.data, n, n), s))
             return Outcome::motion_noise_indefinite;
     } else {
@@ -64,12 +66,12 @@ template <int N> Outcome predict_root(int size, const Image& image, const Motion
 template <int N> Outcome predict_plain(int size, const Image& image, const MotionNoise& noise, double* out) noexcept {
     const int n = N > 0 ? N : size;
     double p[max_state * max_state] = {};
-    if (noise.columns == 0) {
+    if (noise.kind == MotionNoise::Kind::covariance) {
         for (int c = 0; c < n; ++c) {
             for (int r = c; r < n; ++r) p[c * n + r] = 0.5 * (noise.data[c * n + r] + noise.data[r * n + c]);
         }
     } else {
-        add_columns(n, noise.data, noise.columns, nullptr, p);
+        add_columns(n, noise.data, noise.kind == MotionNoise::Kind::triangle ? n : noise.columns, nullptr, p);
     }
     add_columns(n, image.slope, n, nullptr, p);
     add_columns(n, image.residual, image.columns, image.downdate, p);

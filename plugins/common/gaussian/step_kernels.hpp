@@ -18,10 +18,12 @@ struct Image {
     double* downdate = nullptr;  // rows, or nullptr; used up
 };
 
-/// A motion's noise: its covariance (columns = 0, n x n) or a factor (n x columns).
+/// A motion's noise: its covariance (n x n), a factor of it (n x columns), or a lower triangular one (n x n).
 struct MotionNoise {
+    enum class Kind { covariance, factor, triangle };
     const double* data = nullptr;
-    int columns = 0;
+    Kind kind = Kind::covariance;
+    int columns = 0;  // of a factor
 };
 
 /// What an update needs besides the image of the state.

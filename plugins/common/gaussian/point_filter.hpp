@@ -1,0 +1,83 @@
+/// A Gaussian filter that looks at its motion and its sensors at points of the state's distribution: the engine of the
+/// cubature, the unscented and the Gauss-Hermite filter, which differ in their rule.
+///
+/// A step, with S the lower triangular factor of P (held by the record, or found by Cholesky where it holds P):
+///     predict  points x + S xi through the motion; G, E, u of their regression; P = G G' + E E' - u u' + Q
+///     update   new points of the predicted moments through the sensor; the same, with R; K = S G' (G G' + E E' - u u' + R)^-1
+/// Where the motion is linear, F S is G and there are no residuals. A sensor is asked for points that differ in what it looks at:
+/// S is triangular, so that points along later axes are the centre to it.
+#pragma once
+
+#include "regression.hpp"
+
+#include <array>
+
+namespace gaussian {
+
+class PointFilter : public Filter {
+public:
+    static constexpr std::int64_t max_points = 1024;
+
+    plr_status predict(const plr_call& call, const plr_estimator_predict& args) const;
+    plr_status project(const plr_call& call, const plr_estimator_project& args) const;
+    plr_status update(const plr_call& call, const plr_estimator_update& args) const;
+
+protected:
+    /// After setup_filter. Completes `info`.
+    void setup_points(const PointRule& rule, plr_estimator_info& info);
+
+private:
+    /// What a sensor of the slot needs.
+    struct Looker {
+        PointRule rule;
+        Update kernel = nullptr;
+        std::vector<int> angles;  // of its measurement
+        bool is_linear = false;   // and so is the way from the state to it
+        std::int64_t items = 0;   // in a block
+    };
+    /// What it sees of a block of records; and what is wanted besides.
+    struct Sight {
+        plr_view predicted;      // m x 1 x N
+        plr_const_view factors;  // n x n x N
+        std::array<Image, block_size> images;
+        plr_view cartesian_cross{};  // c x m x N, or data NULL
+    };
+    /// A prediction of a block of records, but for its covariance.
+    struct Step {
+        plr_view predicted;  // n x 1 x N
+        plr_view noise;      // n x n or n x g, for each item or one for all
+        plr_view record;     // the motion's, advanced
+    };
+
+    std::int64_t step_doubles() const noexcept;
+    std::int64_t look_doubles(std::size_t sensor) const noexcept;
+    const double* factor(const double* record, double* memory) const;
+    plr_const_view factors(const plr_call& call, const plr_const_view& records, double* memory) const;
+    plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
+    plr_status predict_linear(const plr_call& call, const plr_estimator_predict& args) const;
+    plr_status predict_points(const plr_call& call, const plr_estimator_predict& args) const;
+    Step step(double* memory, std::int64_t items, bool common) const;
+    void noise_and_record(const plr_call& call, const plr_estimator_predict& args, const Step& step) const;
+    MotionNoise noise_of(const Step& step, std::int64_t i) const noexcept;
+    void finish(const Step& step, const Image& image, std::int64_t i, double* out) const;
+    void look(const plr_call& call, std::size_t sensor, const plr_const_view& records, Sight& sight,
+              double* memory) const;
+    /// Where a sensor's points lie for it and, where the state is not Cartesian, all of their Cartesian components.
+    struct Seen {
+        plr_view points;  // c of the sensor x p x N
+        plr_const_view cartesian;
+    };
+    Seen see_points(const plr_call& call, std::size_t sensor, const plr_const_view& records,
+                    const plr_const_view& factors, double* memory) const;
+    void add_cartesian_cross(const PointRule& rule, const double* cartesian, const double* values, std::int64_t m,
+                             double* out) const noexcept;
+
+    PointRule rule_;
+    std::vector<Looker> lookers_;         // of the sensors
+    std::vector<std::int64_t> all_rows_;  // 0, 1, ..., n - 1
+    std::int64_t items_ = 0;              // of a block of predictions by points
+    PredictSpread predict_ = nullptr;
+    const plr_motion_noise_factor* noise_factor_ = nullptr;
+};
+
+}  // namespace gaussian
