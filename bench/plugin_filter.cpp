@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t scratch_bytes = std::size_t{1} << 20;
 constexpr std::int64_t doubles_of_measurement = sizeof(plain::Measurement) / sizeof(double);
 
-graph::Graph build(host::Catalog& catalog, int states) {
+graph::Graph build(host::Catalog& catalog, int states, const std::string& estimator) {
     const std::string folder = PELORUS_SOURCE_DIR "/bench/configs/";
-    return graph::Graph::build(graph::Document::load(folder + (states == 9 ? "filter.yaml" : "filter_6_states.yaml")),
-                               catalog, {});
+    const graph::Document document = graph::Document::load(
+        folder + (states == 9 ? "filter.yaml" : "filter_6_states.yaml"), {{"tracker.estimator.use", estimator}});
+    return graph::Graph::build(document, catalog, {});
 }
 
 EstimatorPart estimator_of(const graph::Graph& graph, std::vector<plr_part>& models) {
@@ -29,9 +30,9 @@ EstimatorPart estimator_of(const graph::Graph& graph, std::vector<plr_part>& mod
 
 }  // namespace
 
-PluginFilter::PluginFilter(std::size_t count, int states)
+PluginFilter::PluginFilter(std::size_t count, int states, const std::string& estimator)
     : catalog_({PELORUS_PLUGIN_DIR}),
-      graph_(build(catalog_, states)),
+      graph_(build(catalog_, states, estimator)),
       estimator_(estimator_of(graph_, models_)),
       count_(count),
       memory_(new unsigned char[scratch_bytes + 64]),
@@ -62,6 +63,16 @@ plr_const_view PluginFilter::records(const double* tracks) const {
 }
 plr_view PluginFilter::records(double* tracks) const {
     return view(tracks, estimator_.info().record_size, 1, static_cast<std::int64_t>(count_));
+}
+
+bool PluginFilter::assign(const double* moments, double* to) {
+    const std::int64_t n = estimator_.info().state->size, size = n + n * n, count = static_cast<std::int64_t>(count_);
+    auto args = arguments<plr_estimator_assign>();
+    args.record = records(moments);
+    args.mean = {moments, n, 1, count, 1, n, size};
+    args.covariance = {moments + n, n, n, count, 1, n, size};
+    args.out = records(to);
+    return estimator_.call(&plr_estimator::assign, begin(), args) == PLR_OK;
 }
 
 bool PluginFilter::predict(const double* from, double* to, double dt) {

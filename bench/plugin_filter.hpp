@@ -1,6 +1,6 @@
 /// The filter of configs/filter.yaml (nine states, constant acceleration) or filter_6_states.yaml (constant velocity) as the
-/// host makes it, and its calls for a batch of tracks. A record is a mean and a covariance, so plain::Track for nine states:
-/// all filters work on the same memory.
+/// host makes it, and its calls for a batch of tracks. A record of estimator.kalman is a mean and a covariance, so plain::Track
+/// for nine states: all filters work on the same memory. Others have records of the same size.
 #pragma once
 
 #include <memory>
@@ -18,10 +18,12 @@ namespace pelorus::bench {
 class PluginFilter {
 public:
     /// For batches of `count` tracks. Throws Error where the config cannot be built.
-    PluginFilter(std::size_t count, int states);
+    PluginFilter(std::size_t count, int states, const std::string& estimator = "estimator.kalman");
     PluginFilter(const PluginFilter&) = delete;
     PluginFilter& operator=(const PluginFilter&) = delete;
 
+    /// Records of means and covariances.
+    bool assign(const double* moments, double* to);
     bool predict(const double* from, double* to, double dt);
     bool update(plain::Sensor sensor, const double* from, const plain::Measurement* measurements, double* to,
                 double* log_likelihood);

@@ -2,6 +2,9 @@
 // the records costs.
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,16 +34,24 @@ template <int B> struct Tracks {
         static const std::vector<double> made = scenario().leading(n);
         return made;
     }
-    static PluginFilter& filter() {
-        static PluginFilter made(tracks, n);
-        return made;
-    }
+    /// A filter and its records of the tracks at the start.
+    struct Filter {
+        explicit Filter(const std::string& estimator) : plugin(tracks, n, estimator), records(start().size()) {
+            if (!plugin.assign(start().data(), records.data())) throw std::runtime_error(plugin.failure());
+        }
+        PluginFilter plugin;
+        std::vector<double> records;
+    };
 
-    static void plugin(plain::Sensor sensor, Answers& out) {
+    /// The step by an estimator that keeps records of this size.
+    static void by(const std::string& estimator, plain::Sensor sensor, Answers& out) {
+        static std::map<std::string, std::unique_ptr<Filter>> made;  // when first asked for: loading takes a while
+        auto& filter = made[estimator];
+        if (filter == nullptr) filter = std::make_unique<Filter>(estimator);
         double* const record = out.record.data();
-        if (!filter().predict(start().data(), record, dt) ||
-            !filter().update(sensor, record, scenario().measurements(sensor), record, out.log_likelihood.data()))
-            throw std::runtime_error("the filter failed: " + filter().failure());
+        if (!filter->plugin.predict(filter->records.data(), record, dt) ||
+            !filter->plugin.update(sensor, record, scenario().measurements(sensor), record, out.log_likelihood.data()))
+            throw std::runtime_error("the filter failed: " + filter->plugin.failure());
     }
 
     static void dense(plain::Sensor sensor, Answers& out) {
@@ -157,15 +168,16 @@ template <int B, class Step> void add(const std::string& name, const Step& step)
     })->Unit(benchmark::kMicrosecond);
 }
 
-/// The ratio step / reference, once the two have been seen to give the same numbers.
+/// The ratio step / reference, once the two have been seen to give the same numbers, to a tolerance, if they should.
 template <int B, class Step, class Reference>
-void add_ratio(const std::string& name, const Step& step, const Reference& reference) {
+void add_ratio(const std::string& name, const Step& step, const Reference& reference,
+               std::optional<double> tolerance = 1e-8) {
     benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
         try {
             Answers one = blank<B>(), other = blank<B>();
             step(one);
             reference(other);
-            expect_same(3 * B, one, other, 1e-8);
+            if (tolerance) expect_same(3 * B, one, other, *tolerance);
         } catch (const std::exception& problem) {
             state.SkipWithError(problem.what());
             return;
@@ -178,12 +190,19 @@ template <int B> void add_all() {
     const std::string states = "step/" + std::to_string(3 * B) + "_states/";
     for (const plain::Sensor sensor : {plain::Sensor::position, plain::Sensor::spherical}) {
         const std::string name = states + (sensor == plain::Sensor::position ? "position/" : "spherical/");
-        const auto plugin = [sensor](Answers& out) { Tracks<B>::plugin(sensor, out); };
+        const auto plugin = [sensor](Answers& out) { Tracks<B>::by("estimator.kalman", sensor, out); };
         const auto dense = [sensor](Answers& out) { Tracks<B>::dense(sensor, out); };
         add<B>(name + "plugin", plugin);
         add<B>(name + "dense", dense);
         add_ratio<B>(name + "dense_to_plugin", dense, plugin);
-        if (sensor == plain::Sensor::spherical) continue;
+        if (sensor == plain::Sensor::spherical) {
+            for (const std::string rule : {"cubature", "unscented"}) {
+                const auto points = [sensor, rule](Answers& out) { Tracks<B>::by("estimator." + rule, sensor, out); };
+                add<B>(name + rule, points);
+                add_ratio<B>(name + rule + "_to_plugin", points, plugin, std::nullopt);
+            }
+            continue;
+        }
         add<B>(name + "kernels", &Tracks<B>::kernels);
         add<B>(name + "copies", &Tracks<B>::copies);
         add_ratio<B>(name + "plugin_to_kernels", plugin, &Tracks<B>::kernels);
