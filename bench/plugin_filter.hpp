@@ -1,5 +1,6 @@
-/// The filter of configs/filter.yaml as the host makes it, and its calls for a batch of tracks. A record of it is what
-/// plain::Track is, so that both filters work on the same memory.
+/// The filter of configs/filter.yaml (nine states, constant acceleration) or filter_6_states.yaml (constant velocity) as the
+/// host makes it, and its calls for a batch of tracks. A record of estimator.kalman is a mean and a covariance, so plain::Track
+/// for nine states: all filters work on the same memory. Others have records of the same size.
 #pragma once
 
 #include <memory>
@@ -17,18 +18,22 @@ namespace pelorus::bench {
 class PluginFilter {
 public:
     /// For batches of `count` tracks. Throws Error where the config cannot be built.
-    explicit PluginFilter(std::size_t count);
+    PluginFilter(std::size_t count, int states, const std::string& estimator = "estimator.kalman");
     PluginFilter(const PluginFilter&) = delete;
     PluginFilter& operator=(const PluginFilter&) = delete;
 
-    bool predict(const plain::Track* from, plain::Track* to, double dt);
-    bool update(plain::Sensor sensor, const plain::Track* from, const plain::Measurement* measurements,
-                plain::Track* to, double* log_likelihood);
+    /// Records of means and covariances.
+    bool assign(const double* moments, double* to);
+    bool predict(const double* from, double* to, double dt);
+    bool update(plain::Sensor sensor, const double* from, const plain::Measurement* measurements, double* to,
+                double* log_likelihood);
     /// What the last failed call told.
     std::string failure() const;
 
 private:
     const plr_call& begin();
+    plr_const_view records(const double* tracks) const;
+    plr_view records(double* tracks) const;
 
     host::Catalog catalog_;
     graph::Graph graph_;

@@ -58,6 +58,24 @@ def filter_rows(figures):
                "at most 1.05")
 
 
+def step_rows(figures):
+    for states in (6, 9):
+        for sensor in ("position", "spherical"):
+            path = f"step/{states}_states/{sensor}/"
+            sides = [side for side in ("plugin", "dense", "kernels", "copies", "cubature", "unscented") if path + side in figures.runs]
+            if "plugin" not in sides:
+                continue
+            what = f"{states} states, predict + update, {sensor} sensor"
+            times = {side: figures.median(path + side, "cpu_time") for side in sides}
+            yield (f"1000 tracks, {what}", ", ".join(f"{side} {time:.0f} us" for side, time in times.items()) +
+                   f"; plugin {1e3 / times['plugin']:.1f} million steps/s", figures.spread(path + "plugin", "cpu_time"), "")
+            for side, other, target in (("dense", "plugin", "at least 4"), ("plugin", "kernels", ""),
+                                        ("cubature", "plugin", "at most 3"), ("unscented", "plugin", "")):
+                if (ratio := f"{path}{side}_to_{other}") in figures.runs:
+                    yield (f"{side} / {other}, {what}", f"{figures.median(ratio, 'ratio'):.2f}",
+                           figures.spread(ratio, "ratio"), target)
+
+
 def process_rows(figures):
     for name, what, target in (("load/50_plugins", "finding and loading 50 plugins", "at most 100 ms"),
                                ("check/airship", "`pelorus check configs/airship.yaml`, one cell", "at most 50 ms"),
@@ -142,7 +160,7 @@ def main():
     parser.add_argument("--write", type=pathlib.Path)
     arguments = parser.parse_args()
     figures = Figures(json.loads(arguments.figures.read_text()))
-    rows = [*filter_rows(figures), *process_rows(figures), *campaign_rows(figures), *graph_rows(figures)]
+    rows = [*filter_rows(figures), *step_rows(figures), *process_rows(figures), *campaign_rows(figures), *graph_rows(figures)]
     text = f"{machine(figures, arguments.build)}\n\n{table(rows)}"
     print(text)
     if arguments.write:

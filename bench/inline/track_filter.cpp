@@ -10,7 +10,6 @@ namespace {
 constexpr int n = states, m = measured;
 
 struct Look {
-    double predicted[m];
     double jacobian[m * n];  // column-major
 };
 
@@ -65,22 +64,22 @@ bool predict_one(const double (&f1)[9], const double (&q1)[9], const Track& from
     return true;
 }
 
-Look look_at_position(const Track& track) {
-    Look look{};
+Seen look_at_position(const double* position) {
+    Seen seen{};
     for (int r = 0; r < m; ++r) {
-        look.predicted[r] = track.mean[static_cast<std::size_t>(r)];
-        look.jacobian[r * m + r] = 1.0;
+        seen.predicted[r] = position[r];
+        seen.jacobian[r * m + r] = 1.0;
     }
-    return look;
+    return seen;
 }
 
-Look look_spherical(const Mount& mount, const Track& track) {
+Seen look_spherical(const Mount& mount, const double* position) {
     const auto& rotation = mount.rotation;
     double p[3] = {};
     for (int r = 0; r < 3; ++r) {
         for (int k = 0; k < 3; ++k) {
-            const auto along = static_cast<std::size_t>(k);
-            p[r] += rotation[static_cast<std::size_t>(r * 3 + k)] * (track.mean[along] - mount.position[along]);
+            p[r] += rotation[static_cast<std::size_t>(r * 3 + k)] *
+                    (position[k] - mount.position[static_cast<std::size_t>(k)]);
         }
     }
     const double ground = std::hypot(p[0], p[1]), range = std::hypot(ground, p[2]);
@@ -91,17 +90,17 @@ Look look_spherical(const Mount& mount, const Track& track) {
                              -p[1] * rise,  //
                              p[2] / range,          0.0,
                              ground / range / range};
-    Look look{};
-    look.predicted[0] = range + mount.bias[0];
-    look.predicted[1] = wrapped(std::atan2(p[1], p[0]) + mount.bias[1]);
-    look.predicted[2] = std::atan2(p[2], ground) + mount.bias[2];
+    Seen seen{};
+    seen.predicted[0] = range + mount.bias[0];
+    seen.predicted[1] = wrapped(std::atan2(p[1], p[0]) + mount.bias[1]);
+    seen.predicted[2] = std::atan2(p[2], ground) + mount.bias[2];
     for (int c = 0; c < 3; ++c) {
         for (int k = 0; k < 3; ++k) {
             const double factor = rotation[static_cast<std::size_t>(k * 3 + c)];
-            for (int r = 0; r < m; ++r) look.jacobian[c * m + r] += along[k * m + r] * factor;
+            for (int r = 0; r < m; ++r) seen.jacobian[c * m + r] += along[k * m + r] * factor;
         }
     }
-    return look;
+    return seen;
 }
 
 /// L L' = A for a covariance that may be singular; a pivot that rounding has eaten is raised to what rounding leaves.
@@ -261,16 +260,26 @@ bool predict(const Track* from, Track* to, std::size_t count, double dt, double 
     return true;
 }
 
+Seen look(Sensor sensor, const Mount& mount, const double* position) {
+    return sensor == Sensor::position ? look_at_position(position) : look_spherical(mount, position);
+}
+
+void residual(Sensor sensor, const Measurement& measurement, const Seen& seen, double (&out)[measured]) {
+    for (std::size_t r = 0; r < measured; ++r) out[r] = measurement.value[r] - seen.predicted[r];
+    if (sensor == Sensor::spherical) {
+        out[1] = wrapped(out[1]);
+        out[2] = wrapped(out[2]);
+    }
+}
+
 bool update(Sensor sensor, const Mount& mount, const Track* from, const Measurement* measurements, Track* to,
             double* log_likelihood, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-        const Look look = sensor == Sensor::position ? look_at_position(from[i]) : look_spherical(mount, from[i]);
+        const Seen seen = plain::look(sensor, mount, from[i].mean.data());
         double innovation[m];
-        for (std::size_t r = 0; r < m; ++r) innovation[r] = measurements[i].value[r] - look.predicted[r];
-        if (sensor == Sensor::spherical) {
-            innovation[1] = wrapped(innovation[1]);
-            innovation[2] = wrapped(innovation[2]);
-        }
+        residual(sensor, measurements[i], seen, innovation);
+        Look look{};
+        for (int e = 0; e < m * axes; ++e) look.jacobian[e] = seen.jacobian[e];
         if (!update_one(look, innovation, measurements[i], from[i], to[i], log_likelihood[i])) return false;
     }
     return true;

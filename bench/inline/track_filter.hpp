@@ -31,6 +31,15 @@ struct Mount {
     std::array<double, 3> bias;
 };
 
+/// What a sensor should see of an object, and how that depends on where it is.
+struct Seen {
+    double predicted[measured];
+    double jacobian[measured * axes];  ///< column-major
+};
+Seen look(Sensor sensor, const Mount& mount, const double* position);
+/// measurement - predicted, angles in (-pi, pi].
+void residual(Sensor sensor, const Measurement& measurement, const Seen& seen, double (&out)[measured]);
+
 /// Constant acceleration with white jerk of density `jerk` [m2/s5], one time step `dt` for all. False where a result is
 /// not finite.
 bool predict(const Track* from, Track* to, std::size_t count, double dt, double jerk);

@@ -13,20 +13,23 @@ namespace lanes {
 
 inline namespace PELORUS_LANES {
 
-/// Lower triangle of A = L L', for a covariance that may be singular: pelorus::small::cholesky_semidefinite over lanes, with
-/// the same rule for pivots that rounding has eaten. Reads A's lower triangle, writes L's; may be done in place.
-template <class N> inline void cholesky_semidefinite(N size, const Pack* a, Pack* l, Mask& failed) noexcept {
+/// Columns [first, end) of the lower triangular L with A = L L', once those before are there, for a covariance that may be
+/// singular: pelorus::small::cholesky_semidefinite over lanes, with the same rule for pivots that rounding has eaten. Reads A's lower
+/// triangle, writes L's; may be done in place.
+template <class N>
+inline void cholesky_columns(N size, int first, int end, const Pack* a, Pack* l, Mask& failed) noexcept {
     const int n = size;
     const double floor = n * std::numeric_limits<double>::epsilon();
-    for (int j = 0; j < n; ++j) {
+    for (int j = first; j < end; ++j) {
         const Pack diagonal = a[j * n + j];
         Pack value = diagonal;
         for (int k = 0; k < j; ++k) value -= l[k * n + j] * l[k * n + j];
         failed |= value < -1e-8 * diagonal;
-        const Pack root = square_root(larger(absolute(value), floor * diagonal));
+        const Pack pivot = larger(absolute(value), floor * diagonal), root = square_root(pivot);
         // An element of L that is not finite, or its square, would show in the root of its own row.
         failed |= ~is_finite(root);
-        const Pack inverse = root > 0.0 ? 1.0 / root : Pack{};
+        // 1 / root, without waiting for the root. Where the pivot has no reciprocal, there is nothing to divide.
+        const Pack inverse = pivot >= std::numeric_limits<double>::min() ? root * (1.0 / pivot) : Pack{};
         l[j * n + j] = root;
         for (int i = j + 1; i < n; ++i) {
             Pack sum = a[j * n + i];
@@ -34,6 +37,11 @@ template <class N> inline void cholesky_semidefinite(N size, const Pack* a, Pack
             l[j * n + i] = sum * inverse;
         }
     }
+}
+
+/// All columns.
+template <class N> inline void cholesky_semidefinite(N size, const Pack* a, Pack* l, Mask& failed) noexcept {
+    cholesky_columns(size, 0, size, a, l, failed);
 }
 
 /// Turns the rows of W (rows <= columns) into lower triangular form with a diagonal >= 0, by Householder reflections from the
@@ -44,17 +52,18 @@ template <class Rows, class Columns> inline void triangularise_rows(Rows rows_si
         const Pack head = w[r * rows + r];
         Pack tail{};
         for (int j = r + 1; j < cols; ++j) tail += w[j * rows + r] * w[j * rows + r];
-        const Mask bent = tail > 0.0;
-        const Pack norm = square_root(head * head + tail);
-        // head - norm without cancellation; where the row has its form already, at most its sign changes.
-        const Pack reflected = head <= 0.0 ? head - norm : -tail / (head + norm);
-        const Pack v = bent ? reflected : all(1.0);
-        const Pack beta = bent ? 2.0 / (v * v + tail) : (head < 0.0 ? all(2.0) : Pack{});
+        // The reflection makes -norm of a positive head, without cancellation; the column's sign is changed then. A row that
+        // has its form already changes at most its sign.
+        const Mask bent = tail > 0.0, positive = head > 0.0;
+        const Pack norm = square_root(head * head + tail), sum = absolute(head) + norm;
+        const Pack v = bent ? (positive ? sum : -sum) : all(1.0);
+        const Pack beta = bent ? 1.0 / (norm * sum) : (head < 0.0 ? all(2.0) : Pack{});
+        const Pack sign = bent & positive ? all(-1.0) : all(1.0);
         for (int i = r + 1; i < rows; ++i) {
             Pack dot = w[r * rows + i] * v;
             for (int j = r + 1; j < cols; ++j) dot += w[j * rows + i] * w[j * rows + r];
             dot *= beta;
-            w[r * rows + i] -= dot * v;
+            w[r * rows + i] = (w[r * rows + i] - dot * v) * sign;
             for (int j = r + 1; j < cols; ++j) w[j * rows + i] -= dot * w[j * rows + r];
         }
         w[r * rows + r] = bent ? norm : absolute(head);

@@ -27,4 +27,12 @@ inline InstructionSet best_instruction_set() noexcept {
     return best;
 }
 
+/// A kernel for few items and one for many: where there are hardly any to fill the lanes, narrow ones take less time.
+template <class Kernel> struct ByItems {
+    Kernel few, many;
+
+    /// For as many items as a call has. The baseline has two lanes on every processor.
+    Kernel operator()(long long items) const noexcept { return items <= 2 ? few : many; }
+};
+
 }  // namespace lanes

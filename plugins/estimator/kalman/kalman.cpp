@@ -25,18 +25,23 @@ void Kalman::describe(pelorus::Describe<Kalman>& plugin) {
 
 void Kalman::setup(const pelorus::Setup& setup) {
     setup_filter(setup, gaussian::Form::covariance, info);
-    const Kernels& widest = kernels(lanes::best_instruction_set());
-    if (structure_ != nullptr) by_blocks_ = widest.by_blocks(structure_->block, structure_->dimension);
-    fully_ = widest.full(static_cast<int>(n_));
+    const Kernels &narrow = kernels(lanes::InstructionSet::baseline), &wide = kernels(lanes::best_instruction_set());
+    if (structure_ != nullptr)
+        by_blocks_ = {narrow.by_blocks(structure_->block, structure_->dimension),
+                      wide.by_blocks(structure_->block, structure_->dimension)};
+    const int n = static_cast<int>(n_);
+    fully_ = {narrow.full(n), wide.full(n)};
     std::int64_t doubles = n_ + 2 * n_ * n_ + motion_record_;  // predict
     for (const SensorInSlot& sensor : sensors_) {
-        seen_.push_back(see(sensor, widest));
+        Seen& seen = seen_.emplace_back(see(sensor));
+        const int m = static_cast<int>(sensor.m);
+        seen.kernels = {narrow.measurement(n, m, seen.leading), wide.measurement(n, m, seen.leading)};
         doubles = std::max(doubles, 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
     }
     info.scratch_bytes = scratch_for(doubles);
 }
 
-Kalman::Seen Kalman::see(const SensorInSlot& sensor, const Kernels& kernels) const {
+Kalman::Seen Kalman::see(const SensorInSlot& sensor) const {
     Seen out{{}, static_cast<int>(n_), true, false};
     if (state_is_cartesian_) {
         out.leading = 1 + static_cast<int>(*std::max_element(sensor.index.begin(), sensor.index.end()));
@@ -44,7 +49,6 @@ Kalman::Seen Kalman::see(const SensorInSlot& sensor, const Kernels& kernels) con
     }
     for (std::int64_t k = 0; k < sensor.c; ++k)
         out.in_order = out.in_order && sensor.index[static_cast<std::size_t>(k)] == k;
-    out.kernels = kernels.measurement(static_cast<int>(n_), static_cast<int>(sensor.m), out.leading);
     return out;
 }
 

@@ -34,7 +34,7 @@ public:
 private:
     /// What is known of a sensor once and for all.
     struct Seen {
-        MeasurementKernels kernels;
+        lanes::ByItems<MeasurementKernels> kernels;
         int leading;      // the columns of H from there on are zero
         bool in_order;    // it looks at the first Cartesian components, in their order
         bool can_common;  // one H serves all items, unless they have inputs of their own
@@ -72,7 +72,7 @@ private:
     void ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const;
     plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_fully(const plr_call& call, const plr_estimator_predict& args) const;
-    Seen see(const SensorInSlot& sensor, const Kernels& kernels) const;
+    Seen see(const SensorInSlot& sensor) const;
     plr_const_view look(const plr_call& call, std::int32_t sensor, const plr_const_view& records, const Looks& out,
                         double* memory) const;
     void derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
@@ -81,8 +81,8 @@ private:
                             double* out) const;
 
     std::vector<Seen> seen_;  // of the sensors
-    BlockKernel by_blocks_ = nullptr;
-    FullKernel fully_ = nullptr;
+    lanes::ByItems<BlockKernel> by_blocks_{};
+    lanes::ByItems<FullKernel> fully_{};
 };
 
 }  // namespace kalman

@@ -89,9 +89,9 @@ plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_p
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         ask_for_blocks(block, slice(args.dt, first, items), blocks);
         Outcomes outcomes = still_good(block, items);
-        by_blocks_({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
-                    blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
-                    outcomes.data()});
+        by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
+                           blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
+                           outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) { require(outcomes[static_cast<std::size_t>(i)]); });
     });
 }
@@ -136,9 +136,9 @@ plr_status Kalman::predict_fully(const plr_call& call, const plr_estimator_predi
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const Steps told = steps(block, args, first, items, common, scratch.data());
         Outcomes outcomes = still_good(block, items);
-        fully_({static_cast<int>(n_), static_cast<int>(items), items_of(as_const(told.transition), 0, common),
-                items_of(as_const(told.noise), 0, common), items_of(as_const(told.predicted), 0),
-                items_of(args.record, first), items_of(args.out, first), outcomes.data()});
+        fully_(items)({static_cast<int>(n_), static_cast<int>(items), items_of(as_const(told.transition), 0, common),
+                       items_of(as_const(told.noise), 0, common), items_of(as_const(told.predicted), 0),
+                       items_of(args.record, first), items_of(args.out, first), outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
             require(outcomes[static_cast<std::size_t>(i)]);
             std::copy_n(at(told.record, i), motion_record_, at(args.out, first + i) + n_ + n_ * n_);
@@ -241,9 +241,9 @@ plr_status Kalman::project(const plr_call& call, const plr_estimator_project& ar
         if (cartesian) cross = {scratch.data() + block_size * by.m * n_, by.m * n_};
         if (crossed) cross = items_of(args.cross, first);
         Outcomes outcomes = still_good(block, items);
-        seen.kernels.project({static_cast<int>(n_), static_cast<int>(by.m), seen.leading, static_cast<int>(items),
-                              items_of(records, 0), jacobians(looks, by.m), items_of(args.covariance, first), cross,
-                              outcomes.data()});
+        seen.kernels(items).project({static_cast<int>(n_), static_cast<int>(by.m), seen.leading,
+                                     static_cast<int>(items), items_of(records, 0), jacobians(looks, by.m),
+                                     items_of(args.covariance, first), cross, outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
             require(outcomes[static_cast<std::size_t>(i)]);
             if (cartesian)
@@ -272,11 +272,11 @@ plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args
         tolerate(by.part.call(&plr_sensor::residual, block, compare));
 
         Outcomes outcomes = still_good(block, items);
-        seen.kernels.update({static_cast<int>(n_), static_cast<int>(m), seen.leading, static_cast<int>(items),
-                             items_of(records, 0), jacobians(looks, m), items_of(args.noise, first),
-                             items_of(as_const(compare.out), 0), items_of(args.out, first),
-                             items_of(args.log_likelihood, first), items_of(args.innovation_covariance, first),
-                             outcomes.data()});
+        seen.kernels(items).update({static_cast<int>(n_), static_cast<int>(m), seen.leading, static_cast<int>(items),
+                                    items_of(records, 0), jacobians(looks, m), items_of(args.noise, first),
+                                    items_of(as_const(compare.out), 0), items_of(args.out, first),
+                                    items_of(args.log_likelihood, first), items_of(args.innovation_covariance, first),
+                                    outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
             require(outcomes[static_cast<std::size_t>(i)]);
             double* const out = at(args.out, first + i);
