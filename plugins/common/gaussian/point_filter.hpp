@@ -8,13 +8,14 @@
 /// S is triangular, so that points along later axes are the centre to it.
 #pragma once
 
+#include "factor_filter.hpp"
 #include "regression.hpp"
 
 #include <array>
 
 namespace gaussian {
 
-class PointFilter : public Filter {
+class PointFilter : public FactorFilter {
 public:
     static constexpr std::int64_t max_points = 1024;
 
@@ -42,24 +43,8 @@ private:
         std::array<Image, block_size> images;
         plr_view cartesian_cross{};  // c x m x N, or data NULL
     };
-    /// A prediction of a block of records, but for its covariance.
-    struct Step {
-        plr_view predicted;  // n x 1 x N
-        plr_view noise;      // n x n or n x g, for each item or one for all
-        plr_view record;     // the motion's, advanced
-    };
-
-    std::int64_t step_doubles() const noexcept;
     std::int64_t look_doubles(std::size_t sensor) const noexcept;
-    const double* factor(const double* record, double* memory) const;
-    plr_const_view factors(const plr_call& call, const plr_const_view& records, double* memory) const;
-    plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
-    plr_status predict_linear(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_points(const plr_call& call, const plr_estimator_predict& args) const;
-    Step step(double* memory, std::int64_t items, bool common) const;
-    void noise_and_record(const plr_call& call, const plr_estimator_predict& args, const Step& step) const;
-    MotionNoise noise_of(const Step& step, std::int64_t i) const noexcept;
-    void finish(const Step& step, const Image& image, std::int64_t i, double* out) const;
     void look(const plr_call& call, std::size_t sensor, const plr_const_view& records, Sight& sight,
               double* memory) const;
     /// Where a sensor's points lie for it and, where the state is not Cartesian, all of their Cartesian components.
@@ -76,8 +61,6 @@ private:
     std::vector<Looker> lookers_;         // of the sensors
     std::vector<std::int64_t> all_rows_;  // 0, 1, ..., n - 1
     std::int64_t items_ = 0;              // of a block of predictions by points
-    PredictSpread predict_ = nullptr;
-    const plr_motion_noise_factor* noise_factor_ = nullptr;
 };
 
 }  // namespace gaussian

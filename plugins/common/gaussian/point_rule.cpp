@@ -31,6 +31,19 @@ PointRule star_rule(int n, double scale, double centre, double covariance_centre
     return rule;
 }
 
+/// The weight of a node: 1 / sum of the squares of the orthonormal Hermite polynomials below `order`, which is exact for the
+/// smallest weights too.
+double christoffel_number(double x, int order) noexcept {
+    double last = 0.0, now = 1.0, sum = 1.0;
+    for (int j = 0; j + 1 < order; ++j) {
+        const double next = (x * now - std::sqrt(static_cast<double>(j)) * last) / std::sqrt(j + 1.0);
+        last = now;
+        now = next;
+        sum += now * now;
+    }
+    return 1.0 / sum;
+}
+
 }  // namespace
 
 PointRule cubature_rule(int n) { return star_rule(n, std::sqrt(static_cast<double>(n)), 0.0, 0.0); }
@@ -49,11 +62,10 @@ PointRule gauss_hermite_rule(int n, int order) {
     for (int k = 1; k < order; ++k) recurrence(k, k - 1) = recurrence(k - 1, k) = std::sqrt(static_cast<double>(k));
     if (!pelorus::small::symmetric_eigen(recurrence, nodes, vectors)) return {};
     std::array<double, max_order> node{}, weight{};
-    for (int k = 0; k < order; ++k) {  // symmetric about 0, but for rounding
+    for (int k = 0; k < order; ++k) {
         const auto here = static_cast<std::size_t>(k);
-        const int other = order - 1 - k;
-        node[here] = 0.5 * (nodes(k) - nodes(other));
-        weight[here] = 0.5 * (vectors(0, k) * vectors(0, k) + vectors(0, other) * vectors(0, other));
+        node[here] = 0.5 * (nodes(k) - nodes(order - 1 - k));  // symmetric about 0, but for rounding
+        weight[here] = christoffel_number(node[here], order);
     }
 
     PointRule rule;

@@ -7,8 +7,10 @@ namespace gaussian {
 
 namespace {
 
-/// Points +-s on the axes: of a pair y+ y-, slope (y+ - y-)/(2s), and one residual of weight 1/s^2 for both.
-int regress_star(const PointRule& rule, std::int64_t rows, double* values, double* shift, double* slope) noexcept {
+/// Points +-s on the axes: of a pair y+ y-, slope (y+ - y-)/(2s), and one residual of weight 1/s^2 for both, of the mean or of
+/// the centre's image.
+int regress_star(const PointRule& rule, std::int64_t rows, bool about_centre, double* values, double* shift,
+                 double* slope) noexcept {
     if (rule.size == 0) return 0;
     const double weight = rule.mean_weights[1], root = 1.0 / rule.scale, half = 0.5 / rule.scale;
     for (std::int64_t p = 1; p < rule.count(); ++p) {
@@ -21,10 +23,16 @@ int regress_star(const PointRule& rule, std::int64_t rows, double* values, doubl
         for (std::int64_t r = 0; r < rows; ++r) {
             const double above = plus[r], below = minus[r];
             slope[j * rows + r] = (above - below) * half;
-            values[j * rows + r] = (0.5 * (above + below) - shift[r]) * root;
+            values[j * rows + r] = (0.5 * (above + below) - (about_centre ? 0.0 : shift[r])) * root;
         }
     }
     return static_cast<int>(rule.size);
+}
+
+/// The sum of a rule's weights in covariances: 1, but for the unscented transform.
+double covariance_sum(const PointRule& rule) noexcept {
+    const auto pairs = static_cast<double>(rule.count() - 1);
+    return rule.is_star && rule.size > 0 ? rule.covariance_weights[0] + pairs * rule.covariance_weights[1] : 1.0;
 }
 
 /// Any points; the residual of the centre is left to the caller.
@@ -74,10 +82,16 @@ Image regress(const PointRule& rule, std::int64_t n, std::int64_t rows, double* 
     std::fill_n(shift, rows, 0.0);
     std::fill_n(slope, rows * n, 0.0);
     Image image{slope, values, 0, nullptr};
-    image.columns = rule.is_star ? regress_star(rule, rows, values, shift, slope)
+    // The centre's residual is -shift. Its weight may be negative; then, of differences d from the centre's image,
+    //     sum w (d - shift)(d - shift)' = sum w d d' + (sum w - 2) shift shift'
+    // may hold nothing negative, and does not cancel where points lie close to the centre.
+    double weight = rule.covariance_weights[0];
+    const double about = covariance_sum(rule) - 2.0;
+    const bool about_centre = rule.is_star && weight < 0.0 && about >= 0.0;
+    if (about_centre) weight = about;
+    const double root = std::sqrt(std::fabs(weight));
+    image.columns = rule.is_star ? regress_star(rule, rows, about_centre, values, shift, slope)
                                  : regress_points(rule, rows, values, shift, slope);
-    // The centre's residual is -shift.
-    const double weight = rule.covariance_weights[0], root = std::sqrt(std::fabs(weight));
     if (weight == 0.0) return image;
     double* const column = weight > 0.0 ? values + image.columns * rows : downdate;
     for (std::int64_t r = 0; r < rows; ++r) column[r] = root * shift[r];

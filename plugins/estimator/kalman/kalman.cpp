@@ -18,25 +18,45 @@ void Kalman::describe(pelorus::Describe<Kalman>& plugin) {
             "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering "
             "82, 35-45, 1960; R. S. Bucy, P. D. Joseph, Filtering for Stochastic Processes with Applications to "
             "Guidance, Wiley 1968 (the form of the update); Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with "
-            "Applications to Tracking and Navigation, Wiley 2001, 10.3 (extended)");
+            "Applications to Tracking and Navigation, Wiley 2001, 10.3 (extended); B. M. Bell, F. W. Cathey, The "
+            "iterated Kalman filter update as a Gauss-Newton method, IEEE Transactions on Automatic Control 38(2), "
+            "294-297, 1993; N. A. Carlson, Fast triangular formulation of the square root filter, AIAA Journal 11(9), "
+            "1259-1265, 1973");
     plugin.slot("motion", "motion", 1, 1, "how the state evolves");
     plugin.slot("sensors", "sensor", 1, -1, "what measures it; a scan meets its sensor by name");
+    plugin.parameter("form", &Kalman::form)
+        .initially("covariance")
+        .choices({{"covariance", "records hold covariances; the update is Joseph's"},
+                  {"square_root",
+                   "records hold factors of covariances, which no rounding makes indefinite; the "
+                   "update is an array of rotations"}})
+        .doc("what is kept of a track's spread, and computed with");
+    plugin.parameter("iterations", &Kalman::iterations)
+        .initially("1")
+        .min(1)
+        .max(20)
+        .doc(
+            "how often an update linearises the sensor, each time at the newest estimate: Gauss-Newton steps towards "
+            "the most probable state; 1: the extended filter");
 }
 
 void Kalman::setup(const pelorus::Setup& setup) {
-    setup_filter(setup, gaussian::Form::covariance, info);
+    setup_filter(setup, form, info);
+    setup_factors();
     const Kernels &narrow = kernels(lanes::InstructionSet::baseline), &wide = kernels(lanes::best_instruction_set());
     if (structure_ != nullptr)
         by_blocks_ = {narrow.by_blocks(structure_->block, structure_->dimension),
                       wide.by_blocks(structure_->block, structure_->dimension)};
     const int n = static_cast<int>(n_);
     fully_ = {narrow.full(n), wide.full(n)};
-    std::int64_t doubles = n_ + 2 * n_ * n_ + motion_record_;  // predict
+    std::int64_t doubles = std::max(n_ + 2 * n_ * n_ + motion_record_, linear_doubles());  // predict
+    const std::int64_t copies = iterations > 1 ? record_size_ : 0;
     for (const SensorInSlot& sensor : sensors_) {
         Seen& seen = seen_.emplace_back(see(sensor));
         const int m = static_cast<int>(sensor.m);
         seen.kernels = {narrow.measurement(n, m, seen.leading), wide.measurement(n, m, seen.leading)};
-        doubles = std::max(doubles, 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
+        by_factors_.push_back(gaussian::update_kernel(form, n, m));
+        doubles = std::max(doubles, copies + 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
     }
     info.scratch_bytes = scratch_for(doubles);
 }

@@ -1,9 +1,9 @@
 /// estimator.kalman: the Kalman filter, extended where the motion or a sensor is not linear. See README.md.
 ///
-/// The record of a track: [mean (n), covariance (n x n, column-major), the motion's record].
+/// The record of a track: [mean (n), covariance or its factor (n x n, column-major), the motion's record].
 #pragma once
 
-#include "../../common/gaussian/filter.hpp"
+#include "../../common/gaussian/factor_filter.hpp"
 #include "kalman_kernels.hpp"
 
 #include <array>
@@ -21,7 +21,7 @@ using gaussian::SensorInSlot;
 static_assert(block_items == block_size && max_state == gaussian::max_state &&
               max_measurement == gaussian::max_measurement);
 
-class Kalman : public pelorus::Estimator<Kalman>, public gaussian::Filter {
+class Kalman : public pelorus::Estimator<Kalman>, public gaussian::FactorFilter {
 public:
     static void describe(pelorus::Describe<Kalman>& plugin);
     void setup(const pelorus::Setup& setup);
@@ -30,6 +30,9 @@ public:
     plr_status project(const plr_call& call, const plr_estimator_project& args) const;
     plr_status update(const plr_call& call, const plr_estimator_update& args) const;
     const void* extension(const char* id) const noexcept;
+
+    gaussian::Form form = gaussian::Form::covariance;
+    int iterations = 1;
 
 private:
     /// What is known of a sensor once and for all.
@@ -79,8 +82,21 @@ private:
                          double* out) const;
     void cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
                             double* out) const;
+    // With factors of covariances, or with several linearisations.
+    plr_status project_by_factors(const plr_call& call, const plr_estimator_project& args) const;
+    plr_status update_iterated(const plr_call& call, const plr_estimator_update& args) const;
+    /// One linearisation of a block of items: what it starts from, what it makes of it, and what it tells.
+    struct Linearisation {
+        plr_const_view records, noise, innovation;
+        plr_view out, log_likelihood, innovation_covariance;
+    };
+    plr_status learn(const plr_call& call, std::int32_t sensor, const Looks& looks, const Linearisation& step) const;
+    void learn_by_factors(std::int32_t sensor, const double* jacobian, const Linearisation& step, std::int64_t i) const;
+    void innovate_about(const double* record, const double* point, const double* jacobian, std::int64_t m,
+                        double* innovation) const;
 
-    std::vector<Seen> seen_;  // of the sensors
+    std::vector<Seen> seen_;                    // of the sensors
+    std::vector<gaussian::Update> by_factors_;  // of the sensors
     lanes::ByItems<BlockKernel> by_blocks_{};
     lanes::ByItems<FullKernel> fully_{};
 };

@@ -1,5 +1,5 @@
 // The filter's step: prediction, the look of a sensor, update.
-#include "kalman.hpp"
+#include "kalman_blocks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,33 +11,9 @@
 namespace kalman {
 
 using pelorus::as_const;
-using pelorus::NumericError;
 using pelorus::Scratch;
 using pelorus::slice;
 namespace small = pelorus::small;
-
-namespace {
-
-using Outcomes = std::array<Outcome, block_items>;
-
-/// The items of a block that no part has failed so far are to be worked out.
-Outcomes still_good(const plr_call& call, std::int64_t items) noexcept {
-    Outcomes out{};
-    for (std::int64_t i = 0; i < items && call.item_status != nullptr; ++i)
-        if (call.item_status[i] != PLR_OK) out[static_cast<std::size_t>(i)] = Outcome::not_finite;
-    return out;
-}
-
-/// The items of a view from `first` on, as kernels take them.
-ItemsIn items_of(const plr_const_view& view, std::int64_t first, bool common = false) noexcept {
-    return {at(view, first), common ? 0 : view.item_stride};
-}
-ItemsOut items_of(const plr_view& view, std::int64_t first) noexcept {
-    if (view.data == nullptr) return {nullptr, 0};
-    return {at(view, first), view.item_stride};
-}
-
-}  // namespace
 
 // -------------------------------------------------------------------------------------------------- prediction
 
@@ -46,6 +22,8 @@ plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& ar
     return in_runs(
         call, args, [&](const plr_call& here, const plr_estimator_predict& run) { return copy_records(here, run); },
         [&](const plr_call& here, const plr_estimator_predict& run) {
+            if (form == gaussian::Form::square_root)
+                return structure_ != nullptr ? predict_structured(here, run) : predict_linearised(here, run);
             return structure_ != nullptr ? predict_by_blocks(here, run) : predict_fully(here, run);
         });
 }
@@ -224,6 +202,7 @@ void Kalman::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, 
 }
 
 plr_status Kalman::project(const plr_call& call, const plr_estimator_project& args) const {
+    if (form == gaussian::Form::square_root) return project_by_factors(call, args);
     const SensorInSlot& by = sensor(args.sensor);
     const Seen& seen = seen_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.measurement.count;
@@ -254,6 +233,7 @@ plr_status Kalman::project(const plr_call& call, const plr_estimator_project& ar
 }
 
 plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args) const {
+    if (form == gaussian::Form::square_root || iterations > 1) return update_iterated(call, args);
     const SensorInSlot& by = sensor(args.sensor);
     const Seen& seen = seen_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t count = args.out.count, m = by.m;

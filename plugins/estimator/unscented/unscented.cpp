@@ -1,6 +1,8 @@
 // estimator.unscented: the unscented Kalman filter. See README.md.
 #include "../../common/gaussian/point_plugin.hpp"
 
+#include <cstdio>
+
 namespace {
 
 struct Parameters {
@@ -11,10 +13,13 @@ class Unscented : public gaussian::PointPlugin<Unscented>, public Parameters {
 public:
     static void describe(pelorus::Describe<Unscented>& plugin);
     gaussian::PointRule rule(int n) const {
-        if (!(n + kappa > 0.0))
-            throw pelorus::ParameterError("kappa", "is " + std::to_string(kappa) + ", expected more than -" +
+        if (!(n + kappa > 0.0)) {
+            char given[32];
+            std::snprintf(given, sizeof given, "%g", kappa);
+            throw pelorus::ParameterError("kappa", std::string("is ") + given + ", expected more than -" +
                                                        std::to_string(n) + ": n + kappa must be positive, and " +
                                                        motion_.id() + " has n = " + std::to_string(n) + " components");
+        }
         return gaussian::unscented_rule(n, alpha, beta, kappa);
     }
 };
@@ -48,8 +53,9 @@ void Unscented::describe(pelorus::Describe<Unscented>& plugin) {
     plugin.parameter("kappa", &Parameters::kappa)
         .initially("0")
         .doc(
-            "moves weight to the centre; more than -n. With alpha 1 and below 0 the centre's weight is negative: an "
-            "indefinite result then fails its item");
+            "moves weight to the centre; more than -n. Where the centre's weight is negative and beta below alpha^2, "
+            "an "
+            "indefinite result fails its item");
 }
 
 }  // namespace
