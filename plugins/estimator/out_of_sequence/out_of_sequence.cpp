@@ -252,6 +252,8 @@ plr_status OutOfSequence::update(const plr_call& call, const plr_estimator_updat
 void OutOfSequence::insert(const plr_call& one, double* record, std::int32_t sensor, const double* measurement,
                            const double* noise) const {
     const std::int64_t m = measured(sensor);
+    if (!batches::all_finite(measurement, m) || !batches::all_finite(noise, m * m))
+        throw pelorus::NumericError("the measurement or its noise is not finite, so that it cannot be kept");
     std::int64_t place = last_up_to(record, record[1]) + 1, kept = entries(record);
     if (kept == depth_ + 1) {  // the oldest is forgotten; what it led to is where the next one starts from
         std::copy(entry(record, 1).time, entry(record, kept).time, entry(record, 0).time);

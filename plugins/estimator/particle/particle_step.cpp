@@ -249,6 +249,9 @@ void Particle::update_item(const plr_call& call, const plr_estimator_update& arg
     const SensorInSlot& by = sensor(args.sensor);
     const Cloud<double> own = cloud(at(args.out, item));
     const PartCall part(call, item);
+    if (!batches::all_finite(at(args.measurement, item), by.m) ||
+        !batches::all_finite(at(args.noise, item), by.m * by.m))
+        throw NumericError("the measurement or its noise is not finite");
     look(part, by, own.points, memory);
     if (args.innovation.data != nullptr || args.innovation_covariance.data != nullptr) {
         for (std::int64_t i = 0; i < size_; ++i) memory.weights[i] = std::exp(own.log_weights[i]);

@@ -68,7 +68,7 @@ void PointTargetTracker::publish_smoothed(std::int64_t time) {
     std::vector<double> records;
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
         const Track& track = tracks_[t];
-        if (!outcomes_[t].moved || !track.has_record || !track.confirmed()) continue;
+        if (!outcomes_[t].moved || outcomes_[t].removed || !track.has_record || !track.confirmed()) continue;
         tracks.push_back(t);
         ids.push_back(track.id);
         records.insert(records.end(), tracks_.record(t), tracks_.record(t) + size);
