@@ -3,6 +3,8 @@
 
 #include "plugin_instance.hpp"
 
+#include <random>
+
 #include <catch2/catch.hpp>
 
 namespace test_support {
@@ -44,6 +46,18 @@ public:
         run(&plr_sensor::noise, args);
         return out;
     }
+    /// Noise of an object at x; `snr` a power ratio, `waveform` the parameters in force, or nullptr.
+    Eigen::MatrixXd noise_at(const Eigen::VectorXd& x, const double* snr = nullptr,
+                             const double* waveform = nullptr) const {
+        Eigen::MatrixXd out(m_, m_);
+        auto args = pelorus::arguments<plr_sensor_noise>();
+        args.cartesian = pelorus::const_view(x.data(), c_, 1, 1);
+        if (snr != nullptr) args.snr = pelorus::const_view(snr, 1, 1, 1);
+        if (waveform != nullptr) args.waveform = pelorus::const_view(waveform, part_.info().waveform->size, 1, 1);
+        args.out = pelorus::view(out.data(), m_, m_, 1);
+        run(&plr_sensor::noise, args);
+        return out;
+    }
     Eigen::VectorXd residual(const Eigen::VectorXd& measurement, const Eigen::VectorXd& from) const {
         Eigen::VectorXd out(m_);
         auto args = pelorus::arguments<plr_sensor_residual>();
@@ -78,6 +92,39 @@ public:
             out.col(k) = residual(measure(up), measure(down)) / (up(k) - down(k));
         }
         return out;
+    }
+
+    /// The Jacobian is the derivative of measure at x: rows agree with central differences to `relative` of their largest.
+    void check_jacobian(const Eigen::VectorXd& x, double step, double relative = 1e-6) const {
+        const Eigen::MatrixXd exact = jacobian(x), approximate = differences(x, step);
+        for (std::int64_t r = 0; r < m_; ++r) {
+            INFO("row " << r << ": " << exact.row(r) << " and by differences " << approximate.row(r));
+            CHECK((exact.row(r) - approximate.row(r)).cwiseAbs().maxCoeff() <
+                  relative * exact.row(r).cwiseAbs().maxCoeff());
+        }
+    }
+    /// Averaged over normal errors of these deviations, invert gives the place itself, with the covariance that it tells at the
+    /// exact measurement: within four deviations of the mean, and within 3 % of the largest element.
+    void check_conversion(const Eigen::VectorXd& x, const Eigen::VectorXd& deviations) const {
+        const Eigen::MatrixXd noise = deviations.cwiseAbs2().asDiagonal();
+        const Eigen::VectorXd exact = measure(x);
+        const Eigen::MatrixXd expected = invert(exact, noise).second;
+        const Eigen::Index size = expected.rows();
+        std::mt19937_64 engine(4);
+        std::normal_distribution<double> normal;
+        constexpr int draws = 40000;
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(size);
+        Eigen::MatrixXd square = Eigen::MatrixXd::Zero(size, size);
+        for (int k = 0; k < draws; ++k) {
+            Eigen::VectorXd z = exact;
+            for (Eigen::Index r = 0; r < z.size(); ++r) z(r) += deviations(r) * normal(engine);
+            const Eigen::VectorXd error = invert(z, noise).first - x.head(size);
+            sum += error;
+            square += error * error.transpose();
+        }
+        for (Eigen::Index r = 0; r < size; ++r)
+            CHECK(std::fabs(sum(r) / draws) < 4.0 * std::sqrt(expected(r, r) / draws));
+        CHECK((square / draws - expected).cwiseAbs().maxCoeff() < 0.03 * expected.cwiseAbs().maxCoeff());
     }
 
 private:

@@ -1,6 +1,6 @@
 #include "../../../tests/support/reference.hpp"
 #include "../../../tests/support/sensor_checks.hpp"
-#include "spherical_model.hpp"
+#include "../../common/sensing/spherical_model.hpp"
 
 #include <random>
 
@@ -114,6 +114,26 @@ TEST_CASE("converted measurements are unbiased and as spread as they say, at err
     CHECK((1.0 - std::exp(-0.05 * 0.05 / 2.0)) * 100e3 > 4.0 * std::sqrt(largest(expected) / draws));
 }
 
+TEST_CASE("spherical noise follows range and signal-to-noise ratio", "[sensor]") {
+    const Instance ranged("sensor", "spherical", {{"reference_range", "10 km"}, {"snr", "2"}, {"noise", "[4, 1, 1]"}});
+    const SensorUnderTest sensor(ranged);
+    CHECK((sensor.flags() & PLR_SENSOR_CONSTANT_NOISE) == 0);
+    const double echo = 4.0;
+    CHECK(sensor.noise_at(Eigen::Vector3d(0, 12e3, 16e3))(0, 0) == Approx(16.0 * 16.0 / 2.0));
+    CHECK(sensor.noise_at(Eigen::Vector3d(0, 12e3, 16e3), &echo)(0, 0) == Approx(4.0));
+}
+
+TEST_CASE("a platform carries a spherical sensor with it", "[sensor]") {
+    const Instance carried("sensor", "spherical", {{"position", "[0, 0, 5]"}, {"attitude", "[0, 0, 0.4]"}});
+    SensorUnderTest sensor(carried);
+    const double pi = std::acos(-1.0);
+    // Rolled by 90 deg, what points up on the platform points to -y.
+    const double inputs[] = {0, 0, 0, 100, 200, 300, pi / 2, 0, 0};
+    sensor.inputs(inputs);
+    const Eigen::VectorXd z = sensor.measure(Eigen::Vector3d(100 + 30 * std::cos(0.4), 195, 300 + 30 * std::sin(0.4)));
+    CHECK(largest(z - Eigen::Vector3d(30, 0, 0)) < 1e-12);
+}
+
 TEST_CASE("correlated errors reach the converted covariance", "[sensor]") {
     const Eigen::Vector3d z(1000.0, 0.7, 0.3);
     Eigen::Matrix3d noise;
@@ -172,7 +192,7 @@ TEST_CASE("a bias given as an input is measured, and taken off again by the inve
     SensorUnderTest sensor(instance);
     const Eigen::Vector3d p(3000, 4000, 500);
     const Eigen::VectorXd plain = sensor.measure(p);
-    const double bias[] = {25.0, 0.01, -0.02};
+    const double bias[] = {25.0, 0.01, -0.02, 0, 0, 0, 0, 0, 0};  // and the pose of the platform
     sensor.inputs(bias);
     const Eigen::VectorXd biased = sensor.measure(p);
     CHECK(largest(biased - plain - Eigen::Vector3d(25.0, 0.01, -0.02)) < 1e-12);

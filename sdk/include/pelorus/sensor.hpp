@@ -12,7 +12,9 @@
 /// Optional members: `static constexpr std::uint32_t flags`; with PLR_SENSOR_CAN_INVERT and a 4th template argument, the number of
 /// components that a measurement determines (`Sensor<Mine, 3, 4, 2>`; else C): `Space inverse_space() const` and `Inverse invert(const Measurement&, const Noise&, const Look&) const`; with
 /// PLR_SENSOR_WAVEFORM: `Space waveform_space() const`; `Measurement residual(const Measurement&, const Measurement&) const`
-/// (by default angles, as marked in the space, are wrapped); `const void* extension(const char*) const`.
+/// (by default angles, as marked in the space, are wrapped); `const void* extension(const char*) const`; where parameters or
+/// slots decide what an instance promises, `std::uint32_t instance_flags() const`: those of `flags` that hold for it (all but
+/// PLR_SENSOR_CAN_INVERT may be missing); where it calls parts, `std::uint64_t scratch_bytes() const`: what these need.
 /// All of them [worker, concurrent] [hot]. Throw NumericError to fail one item.
 #pragma once
 
@@ -68,6 +70,8 @@ public:
         return inputs_(*look.call, look.item, index);
     }
     const void* extension(const char*) const noexcept { return nullptr; }
+    std::uint32_t instance_flags() const noexcept { return Derived::flags; }
+    std::uint64_t scratch_bytes() const noexcept { return 0; }
 
     Measurement residual(const Measurement& measurement, const Measurement& reference) const noexcept {
         Measurement difference;
@@ -92,11 +96,15 @@ public:
             expect_size(inverse_, Derived::inverse_size, "inverse_space()");
             inverse = inverse_.c();
         }
+        const std::uint32_t own_flags = derived().instance_flags();
         if constexpr ((Derived::flags & PLR_SENSOR_WAVEFORM) != 0) {
-            waveform_ = derived().waveform_space();
-            waveform = waveform_.c();
+            if ((own_flags & PLR_SENSOR_WAVEFORM) != 0) {
+                waveform_ = derived().waveform_space();
+                waveform = waveform_.c();
+            }
         }
-        info_ = {sizeof(plr_sensor_info), Derived::flags, measurement_.c(), cartesian_.c(), inverse, waveform, 0};
+        info_ = {sizeof(plr_sensor_info), own_flags, measurement_.c(), cartesian_.c(), inverse, waveform,
+                 derived().scratch_bytes()};
     }
 
     static const plr_sensor& table() noexcept {
@@ -144,14 +152,16 @@ private:
     }
     static plr_status noise_entry(const void* self, const plr_call* call, const plr_sensor_noise* args) noexcept {
         return guarded(call->error, [&]() -> plr_status {
-            constexpr bool constant = (Derived::flags & PLR_SENSOR_CONSTANT_NOISE) != 0;
+            const bool constant = (self_of(self).info_.flags & PLR_SENSOR_CONSTANT_NOISE) != 0;
             const std::int64_t count = args->out.count;
-            if constexpr (!constant) expect(args->cartesian, C, 1, count, "cartesian");
+            if (!constant) expect(args->cartesian, C, 1, count, "cartesian");
             if (args->snr.data != nullptr) expect(args->snr, 1, 1, count, "snr");
+            if (args->waveform.data != nullptr && (self_of(self).info_.flags & PLR_SENSOR_WAVEFORM) != 0)
+                expect(args->waveform, self_of(self).waveform_.size(), 1, count, "waveform");
             expect(args->out, M, M, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
                 Query query;
-                if constexpr (constant)
+                if (constant)
                     query.cartesian.setConstant(not_a_number);  // and not what a call before left on the stack
                 else
                     query.cartesian = load<C, 1>(args->cartesian, i);

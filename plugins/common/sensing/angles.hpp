@@ -1,0 +1,57 @@
+/// Range and two angles, the second one counted up from the plane or down from the vertical, as sensors choose.
+#pragma once
+
+#include <pelorus/describe.hpp>
+#include <pelorus/failure.hpp>
+#include <pelorus/space.hpp>
+
+#include "spherical_model.hpp"
+
+namespace sensing {
+
+enum class Angle { elevation, zenith };
+
+template <class Plugin, class Base> void describe_angle(pelorus::Describe<Plugin>& plugin, Angle Base::*angle) {
+    plugin.parameter("angle", angle)
+        .initially("elevation")
+        .choices({{"elevation", "from the sensor's x-y plane up, in -pi/2 .. pi/2"},
+                  {"zenith", "from the sensor's z axis down, in 0 .. pi"}})
+        .doc("which angle is measured besides azimuth");
+}
+
+inline pelorus::Component range_component() { return {"range", "m", 0.0, 0.0, false}; }
+inline pelorus::Component range_rate_component() { return {"range_rate", "m/s", 0.0, 0.0, false}; }
+inline pelorus::Component azimuth_component() { return {"azimuth", "rad", 0.0, 0.0, true}; }
+inline pelorus::Component angle_component(Angle angle) {
+    return {angle == Angle::elevation ? "elevation" : "zenith", "rad", 0.0, 0.0, true};
+}
+
+/// (range, azimuth, angle) of a point along the sensor's axes.
+inline pelorus::Vector<3> seen(const pelorus::Vector<3>& p, Angle angle) {
+    pelorus::Vector<3> z = spherical::from_cartesian(p);
+    if (angle == Angle::zenith) z(2) = spherical::half_pi - z(2);
+    return z;
+}
+
+/// d seen / d p. Throws NumericError where azimuth has no derivative.
+inline pelorus::Matrix<3> slope(const pelorus::Vector<3>& p, Angle angle) {
+    pelorus::Matrix<3> out;
+    if (!spherical::jacobian(p, out))
+        throw pelorus::NumericError(
+            p.isZero(0.0) ? "the object is at the sensor's own position, where angles have no derivative"
+                          : "the object is on the sensor's vertical axis, where azimuth has no derivative");
+    if (angle == Angle::zenith) out.row(2) = -out.row(2);
+    return out;
+}
+
+/// The point of a measurement (range, azimuth, angle) along the sensor's axes; see spherical::unbiased.
+inline spherical::Converted unbiased(const pelorus::Vector<3>& measurement, const pelorus::Matrix<3>& noise,
+                                     Angle angle) {
+    if (angle == Angle::elevation) return spherical::unbiased(measurement, noise);
+    const pelorus::Vector<3> z(measurement(0), measurement(1), spherical::half_pi - measurement(2));
+    pelorus::Matrix<3> errors = noise;
+    for (const int other : {0, 1}) errors(2, other) = errors(other, 2) = -noise(2, other);
+    return spherical::unbiased(z, errors);
+}
+
+}  // namespace sensing
