@@ -56,7 +56,7 @@ public:
         if ((info.flags & PLR_ESTIMATOR_USES_EXTENT) != 0)
             throw pelorus::PartError(slot, "its motion needs the extent of the target, a point has none");
         cartesian_ = pelorus::Space(*info.cartesian);
-        std::uint64_t scratch = info.scratch_bytes;
+        scratch_bytes_ = info.scratch_bytes;
         const char* at = reinterpret_cast<const char*>(info.sensors);
         for (std::uint32_t i = 0; i < info.sensor_count; ++i) {
             const auto& part = *reinterpret_cast<const plr_part*>(at);
@@ -66,13 +66,14 @@ public:
                                                    std::to_string(sensors_.back().info().measurement->size) +
                                                    " components, at most " + std::to_string(most_measured) +
                                                    " are possible");
-            scratch = std::max(scratch, sensors_.back().info().scratch_bytes);
+            scratch_bytes_ = std::max(scratch_bytes_, sensors_.back().info().scratch_bytes);
             at += part.struct_size;
         }
         if (sensors_.empty())
             throw pelorus::PartError(slot, "has no sensors; fill its slot `sensors` with those of the scans");
-        caller.setup(setup, static_cast<std::size_t>(scratch) + 4096);
     }
+    /// What the estimator and its sensors need in a call; `caller` must be set up with as much.
+    std::uint64_t scratch_bytes() const noexcept { return scratch_bytes_; }
 
     const pelorus::EstimatorPart& estimator() const noexcept { return estimator_; }
     const std::vector<pelorus::SensorPart>& sensors() const noexcept { return sensors_; }
@@ -237,6 +238,7 @@ private:
     pelorus::EstimatorPart estimator_;
     std::vector<pelorus::SensorPart> sensors_;
     pelorus::Space cartesian_;
+    std::uint64_t scratch_bytes_ = 0;
 };
 
 }  // namespace one_track

@@ -16,6 +16,7 @@ constexpr std::uint32_t takes_late = 1u << 19;
 
 void SingleTargetTracker::setup(const pelorus::Setup& setup) {
     filter_.setup(setup, "estimator");
+    filter_.caller.setup(setup, static_cast<std::size_t>(filter_.scratch_bytes()) + 4096);
     check_start();
     estimator_id_ = filter_.estimator().id();
     const bool draws = (filter_.estimator().info().flags & PLR_FLAG_USES_KEYS) != 0;
