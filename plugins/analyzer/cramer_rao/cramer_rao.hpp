@@ -159,16 +159,22 @@ private:
 
     /// Norms of what the motion has on all its axes, then single axes of the position.
     std::vector<Told> columns() const {
-        std::vector<Told> out;
+        std::vector<Told> out, axes;
         const pelorus::Space all = pelorus::kinematic_space(models_.axes(), {1, 1, 1});
         for (int derivative = 0; derivative < 3; ++derivative) {
             const pelorus::Component& first = all[derivative * models_.axes()];
             Told norm{first.name.substr(0, first.name.find('.')), first.unit, {}, true};
             for (int axis = 0; axis < models_.axes(); ++axis)
                 norm.components.push_back(models_.cartesian().index(all[derivative * models_.axes() + axis].name));
-            if (std::count(norm.components.begin(), norm.components.end(), -1) == 0) out.push_back(norm);
+            if (std::count(norm.components.begin(), norm.components.end(), -1) > 0) continue;
+            out.push_back(norm);
+            for (int axis = 0; axis < models_.axes(); ++axis)
+                axes.push_back({all[derivative * models_.axes() + axis].name,
+                                first.unit,
+                                {norm.components[static_cast<std::size_t>(axis)]},
+                                false});
         }
-        for (int axis = 0; axis < models_.axes(); ++axis) out.push_back({all[axis].name, "m", {axis}, false});
+        out.insert(out.end(), axes.begin(), axes.end());
         return out;
     }
 
