@@ -142,39 +142,56 @@ void FactorFilter::finish(const Step& step, const Image& image, std::int64_t i, 
     std::copy_n(at(step.record, i), motion_record_, out + n_ + n_ * n_);
 }
 
-plr_status FactorFilter::predict_linearised(const plr_call& call, const plr_estimator_predict& args) const {
+plr_estimator_predict FactorFilter::part_of(const plr_estimator_predict& args, std::int64_t first,
+                                            std::int64_t items) noexcept {
+    plr_estimator_predict part = args;
+    part.dt = slice(args.dt, first, items);
+    part.extent = slice(args.extent, first, items);
+    part.record = slice(args.record, first, items);
+    part.out = slice(args.out, first, items);
+    return part;
+}
+
+bool FactorFilter::is_common(const plr_call& call, const plr_estimator_predict& args) const noexcept {
     constexpr std::uint32_t constant = PLR_MOTION_LINEAR | PLR_MOTION_CONSTANT_NOISE;
-    const bool common = (motion_.info().flags & constant) == constant && args.dt.item_stride == 0 &&
-                        call.input_stride == 0 && motion_record_ == 0;
+    return (motion_.info().flags & constant) == constant && args.dt.item_stride == 0 && call.input_stride == 0 &&
+           motion_record_ == 0;
+}
+
+void FactorFilter::linearise(const plr_call& call, const plr_estimator_predict& args, const Step& step,
+                             const plr_view& transition) const {
+    auto propagate = pelorus::arguments<plr_motion_propagate>();
+    propagate.dt = args.dt;
+    propagate.state = mean(args.record);
+    propagate.record = motion_record(args.record);
+    propagate.out = step.predicted;
+    tolerate(motion_.call(&plr_motion::propagate, call, propagate));
+    auto jacobian = pelorus::arguments<plr_motion_jacobian>();
+    const std::int64_t asked = transition.count;
+    jacobian.dt = slice(args.dt, 0, asked);
+    jacobian.state = slice(propagate.state, 0, asked);
+    jacobian.record = slice(propagate.record, 0, asked);
+    jacobian.out = transition;
+    tolerate(motion_.call(&plr_motion::jacobian, call, jacobian));
+    noise_and_record(call, args, step);
+    if (asked < args.record.count && call.item_status != nullptr && call.item_status[0] != PLR_OK)
+        std::fill_n(call.item_status, args.record.count, call.item_status[0]);
+}
+
+plr_status FactorFilter::predict_linearised(const plr_call& call, const plr_estimator_predict& args) const {
+    const bool common = is_common(call, args);
     const Scratch scratch(call, block_size * linear_doubles());
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
-        plr_estimator_predict part = args;
-        part.dt = slice(args.dt, first, items);
-        part.extent = slice(args.extent, first, items);
-        part.record = slice(args.record, first, items);
+        const plr_estimator_predict part = part_of(args, first, items);
         const Step told = step(scratch.data() + items * n_ * n_, items, common);
-        auto propagate = pelorus::arguments<plr_motion_propagate>();
-        propagate.dt = part.dt;
-        propagate.state = mean(part.record);
-        propagate.record = motion_record(part.record);
-        propagate.out = told.predicted;
-        tolerate(motion_.call(&plr_motion::propagate, block, propagate));
-        auto jacobian = pelorus::arguments<plr_motion_jacobian>();
-        const std::int64_t asked = common ? 1 : items;
-        jacobian.dt = slice(part.dt, 0, asked);
-        jacobian.state = slice(propagate.state, 0, asked);
-        jacobian.record = slice(propagate.record, 0, asked);
-        jacobian.out = pelorus::view(scratch.data(), n_, n_, asked);
-        tolerate(motion_.call(&plr_motion::jacobian, block, jacobian));
-        noise_and_record(block, part, told);
-        if (common && block.item_status != nullptr && block.item_status[0] != PLR_OK)
-            std::fill_n(block.item_status, items, block.item_status[0]);
+        const plr_view transition = pelorus::view(scratch.data(), n_, n_, common ? 1 : items);
+        linearise(block, part, told, transition);
         return for_good_items(block, items, [&](std::int64_t i) {
             Square own(n_, n_), slope(n_, n_);
             const double* const s = factor(at(part.record, i), own.data());
-            small::multiply(Eigen::Map<const Square>(at(jacobian.out, common ? 0 : i), n_, n_),
+            small::multiply(Eigen::Map<const Square>(at(transition, common ? 0 : i), n_, n_),
                             Eigen::Map<const Square>(s, n_, n_), slope);
-            finish(told, Image{slope.data()}, i, at(args.out, first + i));
+            finish(told, Image{slope.data()}, i, at(part.out, i));
         });
     });
 }

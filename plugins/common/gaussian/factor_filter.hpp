@@ -31,6 +31,15 @@ protected:
     /// By F at the mean. F is asked for once, and so is Q, where both are common to a block of items.
     plr_status predict_linearised(const plr_call& call, const plr_estimator_predict& args) const;
 
+    /// Items first .. first + items - 1 of a prediction.
+    static plr_estimator_predict part_of(const plr_estimator_predict& args, std::int64_t first,
+                                         std::int64_t items) noexcept;
+    /// Whether F and Q of a linear motion are common to all items of a call.
+    bool is_common(const plr_call& call, const plr_estimator_predict& args) const noexcept;
+    /// The predicted mean and F at the mean, for each item of a block or, where `transition` holds one, for all; and what
+    /// noise_and_record tells.
+    void linearise(const plr_call& call, const plr_estimator_predict& args, const Step& step,
+                   const plr_view& transition) const;
     /// `memory` holds step_doubles() an item.
     Step step(double* memory, std::int64_t items, bool common) const;
     /// What the motion tells of a step once its mean is known. The covariances that it may want follow the step in memory.

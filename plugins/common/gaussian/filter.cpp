@@ -8,6 +8,7 @@
 namespace gaussian {
 
 using pelorus::PartError;
+namespace small = pelorus::small;
 
 void Filter::setup_filter(const pelorus::Setup& setup, Form form, plr_estimator_info& info) {
     form_ = form;
@@ -140,6 +141,38 @@ void Filter::advance(const plr_call& call, const plr_const_view& dt, const plr_c
     advance.record = motion_record(records);
     advance.out = out;
     tolerate(motion_.call(&plr_motion::advance_record, call, advance));
+}
+
+/// d measurement / d state = (d measurement / d Cartesian) (d Cartesian / d state).
+void Filter::derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
+                             double* out) const {
+    const std::int64_t m = sensor.m;
+    std::fill_n(out, m * n_, 0.0);
+    for (std::int64_t k = 0; k < sensor.c; ++k) {
+        const double* const column = by_cartesian + k * m;
+        const std::int64_t index = sensor.index[static_cast<std::size_t>(k)];
+        if (cartesian_by_state == nullptr) {
+            std::copy_n(column, m, out + index * m);
+            continue;
+        }
+        for (std::int64_t s = 0; s < n_; ++s) {
+            const double factor = cartesian_by_state[s * c_ + index];
+            for (std::int64_t r = 0; r < m; ++r) out[s * m + r] += column[r] * factor;
+        }
+    }
+}
+
+/// P H' of the state, n x m, in Cartesian components, c x m.
+void Filter::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
+                                double* out) const {
+    if (state_is_cartesian_) {
+        std::copy_n(cross, n_ * m, out);
+        return;
+    }
+    using Convert = small::Bounded<max_state, max_state>;
+    using Cross = small::Bounded<max_state, max_measurement>;
+    small::multiply(Eigen::Map<const Convert>(at(jacobian, i), c_, n_), Eigen::Map<const Cross>(cross, n_, m),
+                    Eigen::Map<Cross>(out, c_, m));
 }
 
 plr_status Filter::copy_records(const plr_call& call, const plr_estimator_predict& args) const {

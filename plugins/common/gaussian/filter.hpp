@@ -67,6 +67,14 @@ protected:
     /// The motion's record after that step, where it has one.
     void advance(const plr_call& call, const plr_const_view& dt, const plr_const_view& records,
                  const plr_const_view& covariance, const plr_view& out) const;
+    /// d measurement / d state, m x n, where `by_cartesian` is m x c of the sensor and `cartesian_by_state` c x n of the motion,
+    /// or nullptr where the state is Cartesian.
+    void derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
+                         double* out) const;
+    /// The covariance of Cartesian components and measurement, c x m, from that of the state, n x m. `jacobian` holds
+    /// d Cartesian / d state of the items; it is not read where the state is Cartesian.
+    void cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
+                            double* out) const;
     /// What dt = 0 does.
     plr_status copy_records(const plr_call& call, const plr_estimator_predict& args) const;
     void check_predict(const plr_estimator_predict& args) const;

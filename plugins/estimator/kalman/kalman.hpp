@@ -78,10 +78,6 @@ private:
     Seen see(const SensorInSlot& sensor) const;
     plr_const_view look(const plr_call& call, std::int32_t sensor, const plr_const_view& records, const Looks& out,
                         double* memory) const;
-    void derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
-                         double* out) const;
-    void cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
-                            double* out) const;
     // With factors of covariances, or with several linearisations.
     plr_status project_by_factors(const plr_call& call, const plr_estimator_project& args) const;
     plr_status update_iterated(const plr_call& call, const plr_estimator_update& args) const;

@@ -169,38 +169,6 @@ plr_const_view Kalman::look(const plr_call& call, std::int32_t number, const plr
     return as_const(convert.jacobian);
 }
 
-/// d measurement / d state = (d measurement / d Cartesian) (d Cartesian / d state).
-void Kalman::derive_by_state(const SensorInSlot& sensor, const double* by_cartesian, const double* cartesian_by_state,
-                             double* out) const {
-    const std::int64_t m = sensor.m;
-    std::fill_n(out, m * n_, 0.0);
-    for (std::int64_t k = 0; k < sensor.c; ++k) {
-        const double* const column = by_cartesian + k * m;
-        const std::int64_t index = sensor.index[static_cast<std::size_t>(k)];
-        if (cartesian_by_state == nullptr) {
-            std::copy_n(column, m, out + index * m);
-            continue;
-        }
-        for (std::int64_t s = 0; s < n_; ++s) {
-            const double factor = cartesian_by_state[s * c_ + index];
-            for (std::int64_t r = 0; r < m; ++r) out[s * m + r] += column[r] * factor;
-        }
-    }
-}
-
-/// P H' of the state, n x m, in Cartesian components, c x m.
-void Kalman::cross_of_cartesian(const plr_const_view& jacobian, std::int64_t i, const double* cross, std::int64_t m,
-                                double* out) const {
-    if (state_is_cartesian_) {
-        std::copy_n(cross, n_ * m, out);
-        return;
-    }
-    using Convert = small::Bounded<max_state, max_state>;
-    using Cross = small::Bounded<max_state, max_measurement>;
-    small::multiply(Eigen::Map<const Convert>(at(jacobian, i), c_, n_), Eigen::Map<const Cross>(cross, n_, m),
-                    Eigen::Map<Cross>(out, c_, m));
-}
-
 plr_status Kalman::project(const plr_call& call, const plr_estimator_project& args) const {
     if (form == gaussian::Form::square_root) return project_by_factors(call, args);
     const SensorInSlot& by = sensor(args.sensor);
