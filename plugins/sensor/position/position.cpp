@@ -1,4 +1,8 @@
-// sensor.position: measures Cartesian coordinates. See README.md.
+// sensor.position: measures Cartesian coordinates and, where it can, velocity. See README.md.
+#include "../../common/sensing/variants.hpp"
+
+#include <optional>
+
 #include <pelorus/per_axis.hpp>
 #include <pelorus/sensor.hpp>
 
@@ -7,10 +11,14 @@ namespace {
 struct Parameters {
     int dimension = 3;
     std::vector<double> deviation, mount;  // m
+    bool velocity = false;
+    std::optional<std::vector<double>> velocity_deviation;  // m/s
 };
 
-template <int D> struct Position : pelorus::Sensor<Position<D>, D, D>, Parameters {
-    using Base = pelorus::Sensor<Position<D>, D, D>;
+/// D axes; all components that it looks at are measured as they are: `Velocity` says whether velocity is among them.
+template <int D, bool Velocity>
+struct Position : pelorus::Sensor<Position<D, Velocity>, Velocity ? 2 * D : D, Velocity ? 2 * D : D>, Parameters {
+    using Base = pelorus::Sensor<Position, Velocity ? 2 * D : D, Velocity ? 2 * D : D>;
     using typename Base::Cartesian;
     using typename Base::Inverse;
     using typename Base::Jacobian;
@@ -21,11 +29,14 @@ template <int D> struct Position : pelorus::Sensor<Position<D>, D, D>, Parameter
     static constexpr std::uint32_t flags = PLR_SENSOR_LINEAR | PLR_SENSOR_CONSTANT_NOISE | PLR_SENSOR_CAN_INVERT;
 
     static void describe(pelorus::Describe<Position>& plugin) {
-        plugin.title("Cartesian position")
+        plugin.title("Cartesian position, with or without velocity")
             .purpose(
                 "Measures the coordinates of an object relative to the sensor's own position, along the axes of the "
-                "frame it stands in: a satellite receiver, a radar network's output, a camera's ground plane.")
-            .equation("z = p - m + w, w ~ N(0, diag(noise^2)), m the sensor's position")
+                "frame it stands in, and by choice its velocity: a satellite receiver, a radar network's output, a "
+                "camera's ground plane, a transponder that reports where and how fast it goes.")
+            .equation(
+                "z = p - m + w, w ~ N(0, diag(noise^2)), m the sensor's position; with velocity below it v + u, u ~ "
+                "N(0, diag(velocity_noise^2))")
             .source(
                 "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, "
                 "Wiley 2001, 5.2");
@@ -45,15 +56,30 @@ template <int D> struct Position : pelorus::Sensor<Position<D>, D, D>, Parameter
             .initially("[0 m]")
             .rows(1, 3)
             .doc("where the sensor stands, from which coordinates are counted: one value an axis, or 0 for all");
+        plugin.parameter("velocity", &Parameters::velocity)
+            .initially("false")
+            .doc("measure velocity, too, along the same axes");
+        plugin.parameter("velocity_noise", &Parameters::velocity_deviation)
+            .unit("m/s")
+            .above(0.0)
+            .rows(1, 3)
+            .doc("with `velocity`: deviation of a component of it, one value or one an axis; absent: 1 m/s");
     }
 
     void setup(const pelorus::Setup&) {
-        variance_ = pelorus::per_axis<D>("noise", deviation).cwiseAbs2();
-        position_ = pelorus::per_axis<D>("position", mount);
+        position_.setZero();
+        position_.template head<D>() = pelorus::per_axis<D>("position", mount);
+        variance_.template head<D>() = pelorus::per_axis<D>("noise", deviation).cwiseAbs2();
+        if constexpr (Velocity)
+            variance_.template tail<D>() =
+                pelorus::per_axis<D>("velocity_noise", velocity_deviation.value_or(std::vector<double>{1.0}))
+                    .cwiseAbs2();
+        else if (velocity_deviation)
+            throw pelorus::ParameterError("velocity_noise", "is given, but velocity is not measured (velocity: true)");
     }
-    pelorus::Space measurement_space() const { return pelorus::position_space(D); }
-    pelorus::Space cartesian_space() const { return pelorus::position_space(D); }
-    pelorus::Space inverse_space() const { return pelorus::position_space(D); }
+    pelorus::Space measurement_space() const { return space(); }
+    pelorus::Space cartesian_space() const { return space(); }
+    pelorus::Space inverse_space() const { return space(); }
 
     Measurement measure(const Cartesian& x, const Look&) const { return x - position_; }
     Jacobian jacobian(const Cartesian&, const Look&) const { return Jacobian::Identity(); }
@@ -61,9 +87,24 @@ template <int D> struct Position : pelorus::Sensor<Position<D>, D, D>, Parameter
     Inverse invert(const Measurement& z, const Noise& noise, const Look&) const { return {z + position_, noise}; }
 
 private:
-    pelorus::Vector<D> variance_, position_;
+    static pelorus::Space space() { return pelorus::kinematic_space(D, std::vector<double>(Velocity ? 2u : 1u, 0.0)); }
+
+    Measurement variance_;
+    Cartesian position_;  ///< the mount's; the sensor's own velocity is 0
+};
+
+template <int D> using PositionAlone = Position<D, false>;
+template <int D> using PositionAndVelocity = Position<D, true>;
+
+/// Chooses by what is measured, then by dimension.
+struct Chosen : pelorus::ByDimension<PositionAlone> {
+    static plr_instance create(const pelorus::Setup& setup) {
+        if (sensing::parameter_value<PositionAlone<3>>(setup, "velocity").integer != 0)
+            return pelorus::ByDimension<PositionAndVelocity>::create(setup);
+        return pelorus::ByDimension<PositionAlone>::create(setup);
+    }
 };
 
 }  // namespace
 
-PELORUS_PLUGIN(pelorus::ByDimension<Position>, "sensor.position");
+PELORUS_PLUGIN(Chosen, "sensor.position");
