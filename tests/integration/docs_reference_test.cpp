@@ -100,7 +100,9 @@ Json default_of(const Json& parameter) {
 bool same_default(std::string told, const Json& described) {
     told.erase(std::remove(told.begin(), told.end(), '`'), told.end());
     if (described.is_null() || described == "''" || described == "[]") return numbers(told).empty();
-    const auto text = described.get<std::string>();
+    auto text = described.get<std::string>();
+    // A vector of one element is told as that.
+    if (text.front() == '[' && text.find(',') == std::string::npos) text = text.substr(1, text.size() - 2);
     if (told == text) return true;
     const bool has_unit = std::regex_search(told, std::regex("[A-Za-z]"));
     return !numbers(text).empty() && !has_unit && numbers(told) == numbers(text);
@@ -218,6 +220,7 @@ TEST_CASE("defaults are compared by what they mean") {
     CHECK(same_default("100", "100 m/s"));
     CHECK(same_default("[5, 1, 0.5]", "[5 m, 1 m/s, 0.5 m/s2]"));
     CHECK(same_default("0.1", "0.1 1/s"));
+    CHECK(same_default("1 mrad", "[1 mrad]"));
     CHECK(same_default("none", nullptr));
     CHECK(default_of({{"default", nullptr}, {"doc", "of the jerk; form continuous only, there 1 m2/s5 if absent"}}) ==
           "1 m2/s5");

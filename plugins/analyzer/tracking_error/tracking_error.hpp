@@ -41,6 +41,9 @@ public:
         plugin.parameter("acceleration", &TrackingError::acceleration_)
             .initially("false")
             .doc("whether errors of the acceleration are told, in a table of their own");
+        plugin.parameter("whole_run", &TrackingError::whole_run_)
+            .initially("false")
+            .doc("whether root mean square errors of the whole run are told: position_rms, position_rms.x, ...");
         plugin.parameter("confidence", &TrackingError::confidence_)
             .initially("0.95")
             .above(0)
@@ -103,7 +106,8 @@ private:
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
-        for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
+        if (whole_run_)
+            for (int derivative = 0; derivative < 2; ++derivative) add_run_errors(result, derivative);
         result.scalar("track_count", "", PLR_REDUCE_MEAN, static_cast<double>(pairs_.track_count()));
         result.scalar("estimates", "", PLR_REDUCE_MEAN, counts.estimates);
         result.scalar("missing", "", PLR_REDUCE_MEAN, counts.missing);
@@ -218,7 +222,7 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false;
+    bool acceleration_ = false, whole_run_ = false;
     double confidence_ = 0.95;
     std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
     std::string frame_;

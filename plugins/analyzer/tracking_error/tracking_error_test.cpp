@@ -244,7 +244,7 @@ TEST_CASE("tracking error: nees counts as many derivatives as it is asked for", 
 }
 
 TEST_CASE("tracking error: a single run tells its root mean squares over time", "[tracking_error]") {
-    Scored run;
+    Scored run("{whole_run: true}");
     for (int k = 0; k < 2; ++k) run.real(k, 9, {0, 0, 0, 0, 0, 0});
     run.estimate(0, 1, {3, 0, 0, 0, 0, 1});
     run.estimate(1, 1, {-5, 4, 0, 0, 0, 7});
