@@ -73,12 +73,16 @@ template <int D, Form form_> void Model<D, form_>::describe(pelorus::Describe<Mo
         .unit("m2/s7")
         .min(0.0)
         .rows(1, 3)
-        .doc("spectral density of the jerk's change, one value or one an axis; form continuous only, there 1 m2/s7 if absent");
+        .doc(
+            "spectral density of the jerk's change, one value or one an axis; form continuous only, there 1 m2/s7 if "
+            "absent");
     plugin.parameter("jerk", &Parameters::deviation)
         .unit("m/s3")
         .min(0.0)
         .rows(1, 3)
-        .doc("deviation of the jerk's increment in a step, one value or one an axis; form discrete only, there 1 m/s3 if absent");
+        .doc(
+            "deviation of the jerk's increment in a step, one value or one an axis; form discrete only, there 1 m/s3 "
+            "if absent");
     axis_models::describe_priors(plugin, &Parameters::prior_position, &Parameters::prior_velocity,
                                  &Parameters::prior_acceleration);
     plugin.parameter("prior_jerk", &Parameters::prior_jerk)

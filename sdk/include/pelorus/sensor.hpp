@@ -103,7 +103,7 @@ public:
                 waveform = waveform_.c();
             }
         }
-        info_ = {sizeof(plr_sensor_info), own_flags, measurement_.c(), cartesian_.c(), inverse, waveform,
+        info_ = {sizeof(plr_sensor_info),  own_flags, measurement_.c(), cartesian_.c(), inverse, waveform,
                  derived().scratch_bytes()};
     }
 
