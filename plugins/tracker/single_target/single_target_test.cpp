@@ -30,10 +30,11 @@ struct Rig {
 
     explicit Rig(const std::string& with, const std::string& motion = "constant_velocity",
                  const std::string& motion_with = velocity_motion, const std::string& sensor = "position",
-                 const std::string& sensor_with = "{dimension: 2, noise: 3 m}") {
-        const auto filter = part(bench, "estimator", "kalman", "{}",
-                                 {{"motion", "", part(bench, "motion", motion, motion_with)},
-                                  {"sensors", "radar", part(bench, "sensor", sensor, sensor_with)}});
+                 const std::string& sensor_with = "{dimension: 2, noise: 3 m}", bool takes_late = false) {
+        auto filter = part(bench, "estimator", "kalman", "{}",
+                           {{"motion", "", part(bench, "motion", motion, motion_with)},
+                            {"sensors", "radar", part(bench, "sensor", sensor, sensor_with)}});
+        if (takes_late) filter = part(bench, "estimator", "out_of_sequence", "{}", {{"estimator", "", filter}});
         tracker = std::make_unique<StageUnderTest>(
             bench, pelorus::test::plugin_of<SingleTargetTracker>("tracker.single_target"), with,
             std::vector<Part>{{"estimator", "", filter}});
@@ -256,6 +257,26 @@ TEST_CASE("single target: a late measurement is left out and told where the esti
     CHECK(rig.told().back().mean == sorted.told().back().mean);
     CHECK(rig.told().back().misses == 0);
     CHECK(rig.bench.log.size() == 1);
+}
+
+TEST_CASE("single target: a late measurement is used as if it had come in time where the estimator takes it",
+          "[single_target]") {
+    const auto takes_late = [] {
+        return std::make_unique<Rig>("{}", "constant_velocity", velocity_motion, "position",
+                                     "{dimension: 2, noise: 3 m}", true);
+    };
+    const auto late = takes_late(), sorted = takes_late(), without = takes_late();
+    const auto send = [](Rig& rig, double time) { rig.scan(time, column(20 * time, time == 1 ? 9 : 0)); };
+    for (const double time : {0.0, 2.0, 3.0, 1.0}) send(*late, time);
+    for (const double time : {0.0, 1.0, 2.0, 3.0}) send(*sorted, time);
+    for (const double time : {0.0, 2.0, 3.0}) send(*without, time);
+    CHECK(late->bench.counters["late_measurements"] == 1);
+    CHECK(late->bench.counters["late_measurements_not_used"] == 0);
+    CHECK(late->told().back().time == 3 * second);
+    CHECK(late->told().back().used == std::vector<std::uint64_t>{4});
+    CHECK((late->told().back().mean - sorted->told().back().mean).norm() < 1e-9);
+    CHECK((late->told().back().covariance - sorted->told().back().covariance).norm() < 1e-9);
+    CHECK((without->told().back().mean - sorted->told().back().mean).norm() > 0.1);
 }
 
 TEST_CASE("single target: records are told on request, with the version of their estimator", "[single_target]") {

@@ -8,10 +8,6 @@ namespace {
 
 constexpr double nanosecond = 1e-9;
 
-/// PLR_ESTIMATOR flag: after a prediction back in time, an update takes a measurement of then, and a prediction forward to the
-/// newest time answers what in-sequence processing would have.
-constexpr std::uint32_t takes_late = 1u << 19;
-
 }  // namespace
 
 void SingleTargetTracker::setup(const pelorus::Setup& setup) {
@@ -214,7 +210,7 @@ void SingleTargetTracker::follow(const Measurement& measurement, const plr_scan&
 /// A measurement that is older than the record: of use only to an estimator that knows what it did since.
 void SingleTargetTracker::follow_late(const Measurement& measurement, const plr_scan& scan) {
     count("late_measurements");
-    if ((filter_.estimator().info().flags & takes_late) == 0) {
+    if ((filter_.estimator().info().flags & PLR_ESTIMATOR_OUT_OF_SEQUENCE) == 0) {
         count("late_measurements_not_used");
         return warn_once(told_late_, "a measurement is older than the track, and " + estimator_id_ +
                                          " takes none that come late: it is left out (the first one; all are counted)");
