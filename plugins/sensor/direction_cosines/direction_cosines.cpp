@@ -2,6 +2,7 @@
 #include "../../common/sensing/angles.hpp"
 #include "../../common/sensing/mounted_sensor.hpp"
 #include "../../common/sensing/variants.hpp"
+#include "../../common/variants/variants.hpp"
 #include "cosine_model.hpp"
 
 namespace {
@@ -78,14 +79,9 @@ template <int M> struct DirectionCosines : sensing::MountedSensor<DirectionCosin
 };
 
 /// Chooses by what is measured.
-struct Chosen {
-    using Described = DirectionCosines<3>;
-    static constexpr const char* kind = Described::kind;
-    static constexpr const char* table_id = Described::table_id;
-    static constexpr const char* version = Described::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Described>::of(id).c(); }
+struct Chosen : variants::Variants<DirectionCosines<3>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        if (sensing::parameter_value<Described>(setup, "range_noise").present != 0)
+        if (sensing::parameter_value<DirectionCosines<3>>(setup, "range_noise").present != 0)
             return pelorus::instantiate<DirectionCosines<3>>(setup);
         return pelorus::instantiate<DirectionCosines<2>>(setup);
     }

@@ -1,6 +1,7 @@
 // sensor.doppler: measures how fast the way of a signal over the object grows, or the frequency shift of that. See README.md.
 #include "../../common/sensing/polar_model.hpp"
 #include "../../common/sensing/variants.hpp"
+#include "../../common/variants/variants.hpp"
 
 #include <optional>
 #include <string>
@@ -142,14 +143,9 @@ template <int D> void Doppler<D>::describe(pelorus::Describe<Doppler>& plugin) {
 }
 
 /// Chooses by the number of the receiver's coordinates.
-struct Chosen {
-    using Described = Doppler<3>;
-    static constexpr const char* kind = Described::kind;
-    static constexpr const char* table_id = Described::table_id;
-    static constexpr const char* version = Described::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Described>::of(id).c(); }
+struct Chosen : variants::Variants<Doppler<3>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        if (sensing::parameter_value<Described>(setup, "receiver").numbers.rows == 2)
+        if (sensing::parameter_value<Doppler<3>>(setup, "receiver").numbers.rows == 2)
             return pelorus::instantiate<Doppler<2>>(setup);
         return pelorus::instantiate<Doppler<3>>(setup);
     }

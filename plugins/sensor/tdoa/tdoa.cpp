@@ -1,5 +1,6 @@
 // sensor.tdoa: measures how much later a signal reaches other receivers than the reference receiver. See README.md.
 #include "../../common/sensing/variants.hpp"
+#include "../../common/variants/variants.hpp"
 
 #include <array>
 #include <string>
@@ -133,14 +134,9 @@ template <int M, int D> void Tdoa<M, D>::describe(pelorus::Describe<Tdoa>& plugi
 }
 
 /// Chooses by the number of receivers and of coordinates.
-struct Chosen {
-    using Described = Tdoa<2, 3>;
-    static constexpr const char* kind = Described::kind;
-    static constexpr const char* table_id = Described::table_id;
-    static constexpr const char* version = Described::version;
-    static const plr_description* description(const char* id) { return pelorus::Describe<Described>::of(id).c(); }
+struct Chosen : variants::Variants<Tdoa<2, 3>> {
     static plr_instance create(const pelorus::Setup& setup) {
-        const plr_const_view& places = sensing::parameter_value<Described>(setup, "receivers").numbers;
+        const plr_const_view& places = sensing::parameter_value<Tdoa<2, 3>>(setup, "receivers").numbers;
         return places.cols == 2 ? of_size<2>(setup, places.rows) : of_size<3>(setup, places.rows);
     }
 
