@@ -38,22 +38,6 @@ template <int B, int D> Matrix<B * D, D> column_on_axes(const Vector<B>& g, cons
 
 namespace detail {
 
-/// What noise and its factor are told of item i; not numbers where the model has said that it reads none of it.
-template <class Model> typename Model::Posterior posterior_of(const plr_motion_noise& args, std::int64_t i) {
-    constexpr int n = Model::state_size;
-    typename Model::Posterior posterior;
-    if constexpr ((Model::flags & PLR_MOTION_CONSTANT_NOISE) != 0) {
-        posterior.mean.setConstant(not_a_number);
-        posterior.covariance.setConstant(not_a_number);
-        posterior.predicted.setConstant(not_a_number);
-    } else {
-        posterior.mean = load<n, 1>(args.state, i);
-        posterior.covariance = load<n, n>(args.covariance, i);
-        posterior.predicted = load<n, 1>(args.predicted, i);
-    }
-    return posterior;
-}
-
 template <class Model, int Columns>
 plr_status noise_factor_entry(const void* self, const plr_call* call, const plr_motion_noise* args) noexcept {
     return guarded(call->error, [&] {

@@ -44,6 +44,23 @@ inline Step step_of(const plr_call& call, const plr_const_view& dt, const plr_co
     return step;
 }
 
+/// What noise and its factor are told of item i, but for the extent; not numbers where the model has said that it reads none of
+/// it, and not what a call before left on the stack.
+template <class Model> typename Model::Posterior posterior_of(const plr_motion_noise& args, std::int64_t i) {
+    constexpr int n = Model::state_size;
+    typename Model::Posterior posterior;
+    if constexpr ((Model::flags & PLR_MOTION_CONSTANT_NOISE) != 0) {
+        posterior.mean.setConstant(not_a_number);
+        posterior.covariance.setConstant(not_a_number);
+        posterior.predicted.setConstant(not_a_number);
+    } else {
+        posterior.mean = load<n, 1>(args.state, i);
+        posterior.covariance = load<n, n>(args.covariance, i);
+        posterior.predicted = load<n, 1>(args.predicted, i);
+    }
+    return posterior;
+}
+
 }  // namespace detail
 
 /// Base of motions with N state components; C Cartesian components where the state is not Cartesian itself.
@@ -112,7 +129,9 @@ protected:
 
 private:
     static const Derived& self_of(const void* self) noexcept { return *static_cast<const Derived*>(self); }
-    static const plr_motion_info* info_entry(const void* self) noexcept { return &self_of(self).info_; }
+    /// What is ours, even where the author's class has a member of the same name.
+    static const Motion& base_of(const void* self) noexcept { return self_of(self); }
+    static const plr_motion_info* info_entry(const void* self) noexcept { return &base_of(self).info_; }
     static const void* extension_entry(const void* self, const char* id) noexcept {
         return self_of(self).extension(id);
     }
@@ -170,16 +189,7 @@ private:
             }
             expect(args->out, N, N, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
-                Posterior posterior;
-                if constexpr (constant) {  // and not what a call before left on the stack
-                    posterior.mean.setConstant(not_a_number);
-                    posterior.covariance.setConstant(not_a_number);
-                    posterior.predicted.setConstant(not_a_number);
-                } else {
-                    posterior.mean = load<N, 1>(args->state, i);
-                    posterior.covariance = load<N, N>(args->covariance, i);
-                    posterior.predicted = load<N, 1>(args->predicted, i);
-                }
+                Posterior posterior = detail::posterior_of<Derived>(*args, i);
                 if constexpr ((Derived::flags & PLR_MOTION_USES_EXTENT) != 0) {
                     if (args->extent.data == nullptr) throw ArgumentError("extent: this motion needs one");
                     posterior.extent = args->extent.data + i * args->extent.item_stride;

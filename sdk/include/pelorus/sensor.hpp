@@ -123,7 +123,9 @@ protected:
 
 private:
     static const Derived& self_of(const void* self) noexcept { return *static_cast<const Derived*>(self); }
-    static const plr_sensor_info* info_entry(const void* self) noexcept { return &self_of(self).info_; }
+    /// What is ours, even where the author's class has a member of the same name.
+    static const Sensor& base_of(const void* self) noexcept { return self_of(self); }
+    static const plr_sensor_info* info_entry(const void* self) noexcept { return &base_of(self).info_; }
     static const void* extension_entry(const void* self, const char* id) noexcept {
         return self_of(self).extension(id);
     }
@@ -152,12 +154,12 @@ private:
     }
     static plr_status noise_entry(const void* self, const plr_call* call, const plr_sensor_noise* args) noexcept {
         return guarded(call->error, [&]() -> plr_status {
-            const bool constant = (self_of(self).info_.flags & PLR_SENSOR_CONSTANT_NOISE) != 0;
+            const bool constant = (base_of(self).info_.flags & PLR_SENSOR_CONSTANT_NOISE) != 0;
             const std::int64_t count = args->out.count;
             if (!constant) expect(args->cartesian, C, 1, count, "cartesian");
             if (args->snr.data != nullptr) expect(args->snr, 1, 1, count, "snr");
-            if (args->waveform.data != nullptr && (self_of(self).info_.flags & PLR_SENSOR_WAVEFORM) != 0)
-                expect(args->waveform, self_of(self).waveform_.size(), 1, count, "waveform");
+            if (args->waveform.data != nullptr && (base_of(self).info_.flags & PLR_SENSOR_WAVEFORM) != 0)
+                expect(args->waveform, base_of(self).waveform_.size(), 1, count, "waveform");
             expect(args->out, M, M, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
                 Query query;

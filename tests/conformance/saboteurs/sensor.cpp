@@ -47,9 +47,9 @@ struct Saboteur : pelorus::Sensor<Saboteur, 2, 2> {
         if (DEFECT("sensor-linear-means-linear")) told_.flags |= PLR_SENSOR_LINEAR;
         const bool is_bad = DEFECT("sensor-table-agrees-with-info");
         if (!is_bad && !NEAR_MISS("sensor-table-agrees-with-info")) return;
-        pulses_ = pelorus::Space({{"pulse_length", "s", 1e-6, 0, false}});
+        waveform_ = pelorus::Space({{"pulse_length", "s", 1e-6, 0, false}});
         if (!is_bad) told_.flags |= PLR_SENSOR_WAVEFORM;
-        told_.waveform = pulses_.c();
+        told_.waveform = waveform_.c();
     }
 
     Measurement measure(const Cartesian& x, const Look&) const {
@@ -159,7 +159,7 @@ private:
     }
 
     plr_sensor_info told_{};
-    pelorus::Space pulses_;
+    pelorus::Space waveform_;
 };
 
 }  // namespace
