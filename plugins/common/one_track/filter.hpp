@@ -66,6 +66,9 @@ public:
                                                    std::to_string(sensors_.back().info().measurement->size) +
                                                    " components, at most " + std::to_string(most_measured) +
                                                    " are possible");
+            const pelorus::Space looks_at(*sensors_.back().info().cartesian);
+            std::vector<int>& places = places_.emplace_back();
+            for (int k = 0; k < looks_at.size(); ++k) places.push_back(cartesian_.index(looks_at[k].name));
             scratch_bytes_ = std::max(scratch_bytes_, sensors_.back().info().scratch_bytes);
             at += part.struct_size;
         }
@@ -165,8 +168,7 @@ public:
     Eigen::MatrixXd noise(const At& at, int sensor, const Eigen::VectorXd& mean,
                           const plr_const_view& snr = pelorus::absent_view(),
                           const plr_const_view& waveform = pelorus::absent_view()) {
-        const Eigen::VectorXd place = looked_at(sensor, cartesian_, mean);
-        return noise_at(at, sensor, place, snr, waveform);
+        return noise_at(at, sensor, looked_at(places_[static_cast<std::size_t>(sensor)], mean), snr, waveform);
     }
 
     /// The same where nothing is predicted: where the measurement, taken as exact, says that the object is.
@@ -177,7 +179,10 @@ public:
         if ((info.flags & PLR_SENSOR_CONSTANT_NOISE) == 0) {
             const Eigen::Index m = measured(sensor);
             const Moments told = invert(at, sensor, measurement, Eigen::MatrixXd::Zero(m, m));
-            place = looked_at(sensor, pelorus::Space(*info.inverse), told.mean);
+            const pelorus::Space known(*info.inverse), wanted(*info.cartesian);
+            std::vector<int> places;
+            for (int k = 0; k < wanted.size(); ++k) places.push_back(known.index(wanted[k].name));
+            place = looked_at(places, told.mean);
         }
         return noise_at(at, sensor, place, snr, waveform);
     }
@@ -212,12 +217,11 @@ private:
         return pelorus::view(record.data(), static_cast<std::int64_t>(record.size()), 1, 1);
     }
 
-    /// What the sensor looks at, by name; what is not known is 0.
-    Eigen::VectorXd looked_at(int sensor, const pelorus::Space& space, const Eigen::VectorXd& mean) const {
-        const pelorus::Space wanted(*part(sensor).info().cartesian);
-        Eigen::VectorXd out = Eigen::VectorXd::Zero(wanted.size());
-        for (int k = 0; k < wanted.size(); ++k)
-            if (const int from = space.index(wanted[k].name); from >= 0) out(k) = mean(from);
+    /// What a sensor looks at, from its places in a mean; what is not known (-1) is 0.
+    static Eigen::VectorXd looked_at(const std::vector<int>& places, const Eigen::VectorXd& mean) {
+        Eigen::VectorXd out(static_cast<Eigen::Index>(places.size()));
+        for (std::size_t k = 0; k < places.size(); ++k)
+            out(static_cast<Eigen::Index>(k)) = places[k] < 0 ? 0.0 : mean(places[k]);
         return out;
     }
 
@@ -237,6 +241,7 @@ private:
 
     pelorus::EstimatorPart estimator_;
     std::vector<pelorus::SensorPart> sensors_;
+    std::vector<std::vector<int>> places_;  ///< of what each sensor looks at, in `cartesian_`, or -1
     pelorus::Space cartesian_;
     std::uint64_t scratch_bytes_ = 0;
 };

@@ -40,6 +40,8 @@ void WaveformScheduler::setup(const pelorus::Setup& setup) {
     waveform_ = setup.part<pelorus::WaveformPart>("waveform");
     find_sensor();
     check_waveform();
+    const pelorus::Space commanded(*waveform_.info().waveform);
+    for (const auto& component : commanded.components()) unit_ += (unit_.empty() ? "" : ", ") + component.unit;
     filter_.caller.setup(
         setup, static_cast<std::size_t>(std::max(filter_.scratch_bytes(), waveform_.info().scratch_bytes)) + 4096);
     if (period_ && !(*period_ < 9e9 && *period_ * 1e9 >= 1))
@@ -203,12 +205,9 @@ Eigen::VectorXd WaveformScheduler::choose(std::int64_t step, one_track::At now, 
 /// In force from half a step before the look to half a step after it: for the next look, and for no other.
 void WaveformScheduler::publish_command(std::int64_t time, std::int64_t look, std::int64_t step,
                                         const Eigen::VectorXd& waveform) {
-    const pelorus::Space space(*waveform_.info().waveform);
-    std::string unit;
-    for (const auto& component : space.components()) unit += (unit.empty() ? "" : ", ") + component.unit;
     pelorus::ValuesBuilder command;
     const std::int64_t margin = std::max<std::int64_t>(step / 2 - 1, 0);
-    command.add(filter_.sensors()[static_cast<std::size_t>(sensor_)].name(), "waveform", unit, waveform, look - margin,
+    command.add(filter_.sensors()[static_cast<std::size_t>(sensor_)].name(), "waveform", unit_, waveform, look - margin,
                 look + margin);
     publish(commands_out, command.message(time));
 }

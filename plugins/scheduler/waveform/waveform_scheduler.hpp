@@ -52,6 +52,7 @@ private:
 
     one_track::Filter filter_;
     pelorus::WaveformPart waveform_;
+    std::string unit_;  ///< of a command: those of the waveform's parameters
     int sensor_ = 0;
     bool looks_by_scans_ = false;  ///< scans come in: they tell the rhythm, tracks do not
     std::string frame_;
