@@ -1,6 +1,6 @@
 // The waveform paper's known answers (tests/reference/waveform_traces.json): 150 noise-free steps with each algorithm.
+#include "../support/waveform_trace.hpp"
 #include "../support/estimator_under_test.hpp"
-#include "../support/reference.hpp"
 
 #include <catch2/catch.hpp>
 #include <deque>
@@ -9,49 +9,6 @@
 namespace {
 
 using namespace test_support;
-
-// Order of the state here -> order of the trace, which is [x, vx, ax, y, vy, ay].
-constexpr int traced[] = {0, 2, 4, 1, 3, 5};
-
-/// The paper's target: an acceleration that is piecewise linear, integrated exactly over each second; [p, v, a].
-class Target {
-public:
-    Eigen::VectorXd state() const {
-        Eigen::VectorXd x(6);
-        x << position_, velocity_, leg().at(static_cast<double>(time_));
-        return x;
-    }
-    void step() {
-        const Leg& now = leg();
-        const Eigen::Vector2d a0 = now.at(time_), a1 = now.at(time_ + 1.0);
-        position_ += velocity_ + a0 / 2.0 + (a1 - a0) / 6.0;
-        velocity_ += (a0 + a1) / 2.0;
-        ++time_;
-    }
-
-private:
-    struct Leg {
-        double from, to;
-        Eigen::Vector2d first, last;
-        Eigen::Vector2d at(double time) const { return first + (last - first) * ((time - from) / (to - from)); }
-    };
-    const Leg& leg() const {
-        static const Leg legs[] = {{0, 40, {0, -10}, {0, -10}},   {40, 50, {-20, -10}, {10, 120}},
-                                   {50, 100, {0, -10}, {0, -10}}, {100, 105, {-5, -10}, {0, 40}},
-                                   {105, 110, {0, 40}, {5, -10}}, {110, 1e9, {0, -10}, {0, -10}}};
-        for (const Leg& each : legs)
-            if (time_ < each.to) return each;
-        throw std::logic_error("no leg");
-    }
-
-    Eigen::Vector2d position_{432e3, 88e3}, velocity_{-2255, 397};
-    int time_ = 0;
-};
-
-Eigen::Vector3d seen(const Eigen::VectorXd& x) {
-    const double range = std::hypot(x(0), x(1));
-    return {range, (x(0) * x(2) + x(1) * x(3)) / range, std::atan2(x(1), x(0))};
-}
 
 /// A filter and what it is made of.
 struct Filter {
@@ -110,27 +67,26 @@ constexpr double tolerance = 1e-5;
 /// Runs the filter without noise; `visit(k, filter, record, R)` after each update.
 template <class Visit> void run(const Filter& made, Visit visit) {
     const EstimatorUnderTest filter(*made.estimator);
-    Target target;
-    Eigen::VectorXd start = target.state(), offset(6), deviations(6);
+    const std::vector<Eigen::VectorXd> truth = waveform_truth();
+    Eigen::VectorXd offset(6), deviations(6);
     offset << 100, -100, 10, -10, 1, -1;
     deviations << 100, 100, 10, 10, 1, 1;
     Call call;
     Batch mean(6, 1), covariance(6, 6), record(filter.record_size(), 1), measurement(3, 1), noise(3, 3);
-    mean[0] = start + offset;
+    mean[0] = truth[0] + offset;
     covariance[0] = deviations.cwiseAbs2().asDiagonal();
     REQUIRE(filter.init(call, {0, 1, 2, 3, 4, 5}, mean, covariance, record) == PLR_OK);
     const Eigen::Matrix3d base = Eigen::Vector3d(1e4, 1e2, 1e-8).asDiagonal();
     const double second = 1;
     for (int k = 1; k <= 150; ++k) {
-        target.step();
+        const Eigen::VectorXd& state = truth[static_cast<std::size_t>(k)];
         REQUIRE(filter.predict(call, pelorus::const_view(&second, 1, 1, 1), record, record) == PLR_OK);
         noise[0] = made.waveform == nullptr ? base : chosen_noise(*made.waveform, filter, record, base);
-        measurement[0] = seen(target.state());
+        measurement[0] = waveform_measurement(state);
         EstimatorUnderTest::Told told(3, 1);
         REQUIRE(filter.update(call, 0, record, measurement, noise.in(), record, told) == PLR_OK);
         REQUIRE(filter.summary(call, record, mean, covariance) == PLR_OK);
-        visit(k, Eigen::VectorXd(mean[0] - target.state()), Eigen::MatrixXd(covariance[0]), record,
-              Eigen::Matrix3d(noise[0]));
+        visit(k, Eigen::VectorXd(mean[0] - state), Eigen::MatrixXd(covariance[0]), record, Eigen::Matrix3d(noise[0]));
     }
 }
 
