@@ -209,9 +209,8 @@ void SingleTargetTracker::follow(const Measurement& measurement, const plr_scan&
 
 /// A measurement that is older than the record: of use only to an estimator that knows what it did since.
 void SingleTargetTracker::follow_late(const Measurement& measurement, const plr_scan& scan) {
-    count("late_measurements");
     if ((filter_.estimator().info().flags & PLR_ESTIMATOR_OUT_OF_SEQUENCE) == 0) {
-        count("late_measurements_not_used");
+        count("late_measurements");
         return warn_once(told_late_, "a measurement is older than the track, and " + estimator_id_ +
                                          " takes none that come late: it is left out (the first one; all are counted)");
     }
@@ -220,13 +219,14 @@ void SingleTargetTracker::follow_late(const Measurement& measurement, const plr_
         move(back, measurement.time);
     } catch (const pelorus::Failure& failure) {
         if (failure.code() != PLR_E_NUMERIC) throw;
-        count("late_measurements_not_used");
+        count("late_measurements");
         return warn_once(told_late_, std::string("a late measurement is left out (the first one; all are counted): ") +
                                          failure.what());
     }
     use(measurement, scan, back);
     move(back, track_->time);
     track_ = std::move(back);
+    count("late_measurements_used");
 }
 
 /// One update. A measurement that the estimator cannot take is as if it had not come.
