@@ -75,7 +75,8 @@ TEST_CASE("inspect: a model that needs parts shows the spaces of an instance tha
     CHECK_THAT(pelorus_command({"inspect", "estimator.kalman"}).out, Contains("depend on its parts"));
 }
 
-TEST_CASE("inspect: the examples of all shipped plugins fit the schema, and of the models all but a few live") {
+TEST_CASE("inspect: the examples of all shipped plugins fit the schema, and of the models all but a few live",
+          "[release-only]") {
     const TemporaryFolder folder;
     REQUIRE(pelorus_command({"schema", "--out", folder / "schema.json"}).exit == 0);
     std::vector<std::string> files, unavailable;

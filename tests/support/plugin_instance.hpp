@@ -225,14 +225,40 @@ private:
     mutable plr_part own_{};
 };
 
+/// Memory that is lent to one call after the other: megabytes that are asked for anew take more time than most calls do.
+class ScratchMemory {
+public:
+    ScratchMemory() {
+        if (free().empty()) free().push_back(std::make_unique<Line[]>(bytes / sizeof(Line)));
+        lines_ = std::move(free().back());
+        free().pop_back();
+    }
+    ~ScratchMemory() { free().push_back(std::move(lines_)); }
+    ScratchMemory(const ScratchMemory&) = delete;
+    ScratchMemory& operator=(const ScratchMemory&) = delete;
+
+    plr_scratch scratch() const noexcept { return {lines_[0].bytes, bytes, 0}; }
+
+private:
+    struct alignas(64) Line {
+        unsigned char bytes[64];
+    };
+    static constexpr std::size_t bytes = 2048 * 1024;
+    static std::vector<std::unique_ptr<Line[]>>& free() {
+        static thread_local std::vector<std::unique_ptr<Line[]>> lines;
+        return lines;
+    }
+
+    std::unique_ptr<Line[]> lines_;
+};
+
 /// The context of a call, with room for `count` item statuses and scratch memory.
 class Call {
 public:
     explicit Call(std::int64_t count = 1)
-        : status_(static_cast<std::size_t>(count), PLR_OK), memory_(new Line[scratch_bytes / sizeof(Line)]) {
+        : status_(static_cast<std::size_t>(count), PLR_OK), scratch_(memory_.scratch()) {
         error_.struct_size = sizeof error_;
         error_.item = -1;
-        scratch_ = {memory_[0].bytes, scratch_bytes, 0};
         call_.struct_size = sizeof call_;
         call_.scratch = &scratch_;
         call_.error = &error_;
@@ -253,13 +279,9 @@ public:
     std::uint64_t scratch_used() const noexcept { return scratch_.used; }
 
 private:
-    struct alignas(64) Line {
-        unsigned char bytes[64];
-    };
     std::vector<plr_status> status_;
-    static constexpr std::size_t scratch_bytes = 2048 * 1024;
-    std::unique_ptr<Line[]> memory_;
-    plr_scratch scratch_{};
+    ScratchMemory memory_;
+    plr_scratch scratch_;
     plr_error error_{};
     plr_call call_{};
 };
