@@ -23,7 +23,7 @@ struct PointRule {
 /// The third-degree spherical-radial rule: 2n points at sqrt(n) on the axes, weights 1/(2n) (Arasaratnam, Haykin 2009, eq. 45).
 PointRule cubature_rule(int n);
 /// The scaled unscented transform: lambda = alpha^2 (n + kappa) - n, points at sqrt(n + lambda), weights 1/(2(n + lambda)), of
-/// the centre lambda/(n + lambda), in covariances 1 - alpha^2 + beta more (Wan, van der Merwe 2000, eq. 15). n + kappa > 0.
+/// the centre lambda/(n + lambda), in covariances 1 - alpha^2 + beta more (Wan, van der Merwe 2000). n + kappa > 0.
 PointRule unscented_rule(int n, double alpha, double beta, double kappa);
 /// order^n points: the tensor product of the Gauss-Hermite rule of `order` points, whose nodes are the eigenvalues of the
 /// tridiagonal matrix of the recurrence (Golub, Welsch 1969). 2 <= order <= 32.

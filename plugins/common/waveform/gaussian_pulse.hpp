@@ -3,7 +3,7 @@
 ///     s(t) = (pi l^2)^(-1/4) exp(-t^2/(2 l^2) + j b t^2),      l: length [s], b: sweep [rad/s^2]
 ///
 /// Source: D. J. Kershaw, R. J. Evans, Optimal waveform selection for tracking systems, IEEE Transactions on Information
-/// Theory 40(5), 1994: the ambiguity function, Fisher information and Cramer-Rao bound of this pulse (section III). A delay tau
+/// Theory 40(5), 1536-1550, 1994: the ambiguity function, Fisher information and Cramer-Rao bound of this pulse. A delay tau
 /// [s] and a Doppler shift nu [rad/s] are tau = 2 r/c and nu = -2 w_c v/c of range r and range rate v, w_c the carrier.
 /// All functions are pure.
 #pragma once

@@ -23,8 +23,8 @@ void FixedLagSmoother::describe(pelorus::Describe<FixedLagSmoother>& plugin) {
             "D_k = P_k - C_k P_(k+1|k) C_k'")
         .source(
             "H. E. Rauch, F. Tung, C. T. Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA "
-            "Journal 3(8), 1445-1450, 1965 (equations 3.28 to 3.30); B. D. O. Anderson, J. B. Moore, Optimal "
-            "Filtering, Prentice-Hall 1979, 7.3 (fixed lag)");
+            "Journal 3(8), 1445-1450, 1965 (the step back); B. D. O. Anderson, J. B. Moore, Optimal "
+            "Filtering, Prentice-Hall 1979, chapter 7 (fixed lag)");
     plugin.slot("estimator", "estimator", 1, 1, "the filter");
     plugin.slot("motion", "motion", 1, 1, "how neighbouring times are related: the filter's motion");
     plugin.parameter("lag", &FixedLagSmoother::lag_)

@@ -144,7 +144,7 @@ Batch run(const EstimatorUnderTest& filter, const Flight& of) {
     return record;
 }
 
-/// The whole-interval smoother in plain Eigen: filter forward, then Rauch, Tung and Striebel's equations 3.28 to 3.30 backward.
+/// The whole-interval smoother in plain Eigen: filter forward, then Rauch, Tung and Striebel's equations backward.
 std::vector<Moments> rauch_tung_striebel(const Flight& of) {
     std::vector<Moments> filtered{{VectorXd::Zero(4), prior}}, predicted;
     for (std::size_t k = 0; k < of.steps.size(); ++k) {

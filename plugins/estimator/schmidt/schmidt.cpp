@@ -25,8 +25,8 @@ void Schmidt::describe(pelorus::Describe<Schmidt>& plugin) {
         .source(
             "S. F. Schmidt, Application of state-space methods to navigation problems, Advances in Control Systems 3, "
             "293-340, 1966; G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press "
-            "1977, VIII (consider filters); R. S. Bucy, P. D. Joseph, Filtering for Stochastic Processes with "
-            "Applications to Guidance, Wiley 1968 (the form of the update)");
+            "1977, chapter VIII (effects of parameters that are not modelled); R. S. Bucy, P. D. Joseph, Filtering for "
+            "Stochastic Processes with Applications to Guidance, Wiley 1968 (the form of the update)");
     plugin.slot("motion", "motion", 1, 1, "how the state evolves");
     plugin.slot("sensors", "sensor", 1, -1, "what measures it; a scan meets its sensor by name");
     auto rows = plugin.table("consider", &Schmidt::consider);

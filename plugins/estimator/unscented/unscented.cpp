@@ -37,9 +37,9 @@ void Unscented::describe(pelorus::Describe<Unscented>& plugin) {
         .source(
             "S. J. Julier, J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proceedings of the IEEE 92(3), "
             "401-422, 2004; E. A. Wan, R. van der Merwe, The unscented Kalman filter for nonlinear estimation, IEEE "
-            "Adaptive Systems for Signal Processing, Communications, and Control Symposium, 153-158, 2000, eq. 15; R. "
-            "van "
-            "der Merwe, E. A. Wan, The square-root unscented Kalman filter, ICASSP 2001");
+            "Adaptive Systems for Signal Processing, Communications, and Control Symposium, 153-158, 2000 (points and "
+            "weights); R. van der Merwe, E. A. Wan, The square-root unscented Kalman filter for state and "
+            "parameter-estimation, ICASSP 2001, 3461-3464");
     describe_parts(plugin);
     plugin.parameter("alpha", &Parameters::alpha)
         .initially("1")

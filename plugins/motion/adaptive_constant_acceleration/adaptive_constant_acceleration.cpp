@@ -81,8 +81,8 @@ template <int D> void Model<D>::describe(pelorus::Describe<Model>& plugin) {
             "- 4 P_va/T + (P_vv,k + P_vv,k-1)/T^2) of that axis' posterior; q = g g' with g = [T^2/2; T; 1], or "
             "[T^5/20 T^4/8 T^3/6; T^4/8 T^3/3 T^2/2; T^3/6 T^2/2 T]")
         .source(
-            "Zhang et al., manoeuvring-target tracking with an adaptive constant-acceleration model, a square-root "
-            "cubature Kalman filter and waveform scheduling, Acta Electronica Sinica 47(3), 560-567, 2019; eq. 12 with "
+            "H. Zhang, J. Xie, J. Ge, B. Zong, W. Lu, Maneuvering target tracking based on waveform scheduling, Acta "
+            "Electronica Sinica 47(3), 560-567, 2019; eq. 12 with "
             "the variance of the acceleration, as its derivation needs, in place of a velocity's");
     describe_dimension(plugin);
     plugin.parameter("noise_form", &Parameters::noise_form)

@@ -72,7 +72,7 @@ void ConstantSpeedTurn::describe(pelorus::Describe<ConstantSpeedTurn>& plugin) {
         .source(
             "X. R. Li, V. P. Jilkov, Survey of maneuvering target tracking, part I: dynamic models, IEEE Transactions "
             "on "
-            "Aerospace and Electronic Systems 39(4), 1333-1364, 2003, section V");
+            "Aerospace and Electronic Systems 39(4), 1333-1364, 2003 (models in three dimensions)");
     plugin.parameter("noise", &ConstantSpeedTurn::density)
         .unit("m2/s5")
         .initially("1 m2/s5")

@@ -1,7 +1,7 @@
 /// One axis of a turn at constant speed in any plane: p' = v, v' = a, a' = -w^2 v + white jerk, for a turn rate w (rad/s) that is
 /// given as its square u = w^2, of which everything is a smooth function. State (position, velocity, acceleration).
 /// Source: X. R. Li, V. P. Jilkov, Survey of maneuvering target tracking, part I: dynamic models, IEEE Transactions on Aerospace
-/// and Electronic Systems 39(4), 1333-1364, 2003, section V.
+/// and Electronic Systems 39(4), 1333-1364, 2003 (models in three dimensions).
 #pragma once
 
 #include "../../common/kinematics/sinc.hpp"

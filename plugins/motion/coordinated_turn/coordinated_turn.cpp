@@ -94,7 +94,7 @@ template <int D, bool estimated> void Model<D, estimated>::describe(pelorus::Des
             "Q(-dt) F(dt)'")
         .source(
             "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley "
-            "2001, 11.7.1 and 11.7.2");
+            "2001, 11.7 (coordinated turns)");
     plugin.parameter("dimension", &Parameters::dimension)
         .initially("3")
         .min(2)

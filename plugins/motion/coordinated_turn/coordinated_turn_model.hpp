@@ -1,7 +1,7 @@
 /// A turn in the x-y plane at a constant rate w (rad/s, positive from x to y) and constant speed, the height (if any) moving
 /// at a constant rate. State (positions, velocities[, turn rate]) [m, m/s, rad/s].
-/// Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley 2001, 11.7.1
-/// and 11.7.2 (nearly constant turn, known and estimated rate).
+/// Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley 2001, 11.7
+/// (nearly constant turn, known and estimated rate).
 #pragma once
 
 #include "../../common/kinematics/sinc.hpp"

@@ -123,7 +123,7 @@ void CoordinatedTurnPolar::describe(pelorus::Describe<CoordinatedTurnPolar>& plu
         .source(
             "X. R. Li, V. P. Jilkov, Survey of maneuvering target tracking, part I: dynamic models, IEEE Transactions "
             "on "
-            "Aerospace and Electronic Systems 39(4), 1333-1364, 2003, section IV; R. Schubert, E. Richter, G. "
+            "Aerospace and Electronic Systems 39(4), 1333-1364, 2003 (horizontal models); R. Schubert, E. Richter, G. "
             "Wanielik, "
             "Comparison and evaluation of advanced motion models for vehicle tracking, FUSION 2008");
     plugin.parameter("noise", &CoordinatedTurnPolar::density)

@@ -15,7 +15,7 @@ void WaveformScheduler::describe(pelorus::Describe<WaveformScheduler>& plugin) {
             "waveform; waveform = choose(x-, P-, H P- H', P- H', R0)")
         .source(
             "D. J. Kershaw, R. J. Evans, Optimal waveform selection for tracking systems, IEEE Transactions on "
-            "Information Theory 40(5), 1994");
+            "Information Theory 40(5), 1536-1550, 1994");
     plugin.slot("estimator", "estimator", 1, 1, "the tracker's estimator again, written like: tracker.estimator");
     plugin.slot("waveform", "waveform", 1, 1, "what chooses; like the model in the sensor's own slot `waveform`");
     plugin.parameter("sensor", &WaveformScheduler::sensor_name_)

@@ -20,8 +20,8 @@ struct Bearings : sensing::MountedSensor<Bearings, 2, 3> {
                 "p = R' (position - m), R = Rz(yaw) Ry(pitch) Rx(roll); azimuth = atan2(p_y, p_x), elevation = "
                 "atan2(p_z, sqrt(p_x^2 + p_y^2)), zenith = pi/2 - elevation; bias and noise are added")
             .source(
-                "S. Blackman, R. Popoli, Design and Analysis of Modern Tracking Systems, Artech House 1999, 2.4 and "
-                "5.6 (passive sensors)");
+                "S. Blackman, R. Popoli, Design and Analysis of Modern Tracking Systems, Artech House 1999, "
+                "chapter 5 (passive sensors)");
         sensing::describe_angle(plugin, &Bearings::angle);
         describe_common(plugin, "rad", "[1 mrad, 1 mrad]", "azimuth and elevation or zenith");
     }

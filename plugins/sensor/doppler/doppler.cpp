@@ -104,7 +104,7 @@ template <int D> void Doppler<D>::describe(pelorus::Describe<Doppler>& plugin) {
             "rate(a) = (p - a)'(v - a') / |p - a| for a place a with velocity a'; monostatic: range_rate = "
             "rate(receiver), bistatic: path_rate = rate(receiver) + rate(transmitter); frequency_shift = -(carrier / "
             "speed) (2 range_rate or path_rate)")
-        .source("N. J. Willis, Bistatic Radar, 2nd ed., Artech House 1995, 6.1 (target Doppler)");
+        .source("N. J. Willis, Bistatic Radar, 2nd ed., Artech House 1995, chapter 6 (Doppler relationships)");
     plugin.parameter("receiver", &Parameters::receiver)
         .unit("m")
         .initially("[0 m, 0 m, 0 m]")

@@ -107,7 +107,7 @@ template <int M, int D> void Tdoa<M, D>::describe(pelorus::Describe<Tdoa>& plugi
             "s_i^2")
         .source(
             "Y. T. Chan, K. C. Ho, A simple and efficient estimator for hyperbolic location, IEEE Transactions on "
-            "Signal Processing 42(8), 1905-1915, 1994, eq. 2-5 and the covariance of the differences");
+            "Signal Processing 42(8), 1905-1915, 1994 (the differences and their covariance)");
     plugin.parameter("receivers", &Parameters::receivers)
         .unit("m")
         .rows(2, 7)

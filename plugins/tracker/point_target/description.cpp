@@ -91,7 +91,7 @@ void PointTargetTracker::describe(pelorus::Describe<PointTargetTracker>& plugin)
             "Jonker, A. "
             "Volgenant, Computing 38, 325-340, 1987; T. Fortmann, Y. Bar-Shalom, M. Scheffe, Sonar Tracking of "
             "Multiple Targets Using Joint Probabilistic Data Association, IEEE J. Oceanic Engineering 8(3), 173-184, "
-            "1983; Y. Bar-Shalom, T. Fortmann, Tracking and Data Association, Academic Press 1988, 9.3");
+            "1983; Y. Bar-Shalom, T. Fortmann, Tracking and Data Association, Academic Press 1988, chapter 9");
     plugin.slot("estimator", "estimator", 1, 1, "the filter of a track; its sensors are those whose scans may come");
     plugin.parameter("gate_probability", &Parameters::gate_probability)
         .initially("0.997")

@@ -67,7 +67,9 @@ public:
                 "R = L' R0 L, L = [cos phi, -sin phi; sin phi, cos phi]; published: phi = pi/2 - arctan(2 det P12/(det "
                 "P11 - det P22))/2; exact: phi = pi/2 - psi or -psi, psi = atan2(2 A12, A11 - A22)/2, A the predicted "
                 "(range, range rate) given the angles")
-            .source("Zhang et al., Acta Electronica Sinica 47(3), 2019, 560-567, eq. 22");
+            .source(
+                "H. Zhang, J. Xie, J. Ge, B. Zong, W. Lu, Maneuvering target tracking based on waveform scheduling, "
+                "Acta Electronica Sinica 47(3), 560-567, 2019, eq. 22");
         plugin.parameter("rule", &EllipseRotation::rule_)
             .initially("exact")
             .choices({{"published", "eq. 22, from the blocks of the predicted covariance"},

@@ -17,7 +17,7 @@ public:
                 "-B S, 1/S + B^2 S] with A^2 = det R0_rv")
             .source(
                 "D. J. Kershaw, R. J. Evans, Optimal waveform selection for tracking systems, IEEE Transactions on "
-                "Information Theory 40(5), 1994, section III; Zhang et al., Acta Electronica Sinica 47(3), 2019 "
+                "Information Theory 40(5), 1536-1550, 1994; Zhang et al., Acta Electronica Sinica 47(3), 2019 "
                 "(rotation)");
         plugin.parameter("rotation", &Fixed::rotation_).unit("rad").doc("phi; or give length");
         plugin.parameter("length", &Fixed::length_).unit("s").above(0).doc("S; or give rotation");

@@ -17,7 +17,7 @@ public:
                 "the least det P+, trace P+, trace of its positions, or largest mutual information")
             .source(
                 "D. J. Kershaw, R. J. Evans, Optimal waveform selection for tracking systems, IEEE Transactions on "
-                "Information Theory 40(5), 1994");
+                "Information Theory 40(5), 1536-1550, 1994");
         plugin.parameter("criterion", &Library::criterion_)
             .initially("determinant")
             .choices(waveform::criteria())

@@ -25,8 +25,8 @@ public:
                 "P_k+ = P_k - P_k H' (H P_k H' + R)^-1 H P_k; P_k+1 = F P_k+ F' + Q; least criterion of P_h+ over the "
                 "pulses R of h looks")
             .source(
-                "D. J. Kershaw, R. J. Evans, Waveform selective probabilistic data association, IEEE Transactions on "
-                "Aerospace and Electronic Systems 33(4), 1997 (the recursion); B. La Scala, M. Rezaeian, B. Moran, "
+                "D. J. Kershaw, R. J. Evans, Optimal waveform selection for tracking systems, IEEE Transactions on "
+                "Information Theory 40(5), 1536-1550, 1994 (pulses); B. La Scala, M. Rezaeian, B. Moran, "
                 "Optimal adaptive waveform selection for target tracking, FUSION 2005 (several steps)");
         plugin.slot(
             "motion", "motion", 1, 1,
