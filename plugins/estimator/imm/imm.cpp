@@ -65,6 +65,27 @@ JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
     }
 }
 
+namespace {
+
+/// A model that has no component in common with another would lose all that it knows at every mixing.
+void refuse_strangers(const std::vector<pelorus::Space>& states, const std::vector<const char*>& names) {
+    for (std::size_t j = 0; j < states.size(); ++j) {
+        bool is_stranger = states.size() > 1;
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (i == j) continue;
+            for (const pelorus::Component& component : states[j].components())
+                is_stranger = is_stranger && states[i].index(component.name) < 0;
+        }
+        if (is_stranger)
+            throw PartError("estimators", std::string(names[j]) + " has no component of its state (" +
+                                              states[j].text() +
+                                              ") in common with another filter, so that there is "
+                                              "nothing to mix");
+    }
+}
+
+}  // namespace
+
 void Filter::build(const pelorus::Setup& setup) {
     const auto parts = setup.parts<pelorus::EstimatorPart>("estimators");
     if (parts.empty()) throw PartError("estimators", "slot estimators is empty, one filter at least is needed");
@@ -88,6 +109,7 @@ void Filter::build(const pelorus::Setup& setup) {
         record_size_ += part.info().record_size;
         names_.push_back(part.raw().name[0] == 0 ? part.raw().description->id : part.raw().name);
     }
+    refuse_strangers(states, names_);
     state_ = JoinedSpace(states);
     cartesian_ = JoinedSpace(cartesians);
     add_sensors(parts);

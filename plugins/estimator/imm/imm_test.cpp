@@ -290,4 +290,9 @@ TEST_CASE("imm: parts that do not go together are refused", "[imm]") {
     CHECK_THROWS_WITH(Instance("estimator", "imm", {}, {{"estimators", "a", &space}, {"estimators", "b", &other}}),
                       "b has other sensors than a; all filters take the same (radar measures position.x [m], "
                       "position.y [m], position.z [m])");
+    const Instance logarithmic("motion", "log_spherical");
+    const Instance strange("estimator", "kalman", {}, {{"motion", "", &logarithmic}, {"sensors", "radar", &radar}});
+    CHECK_THROWS_WITH(Instance("estimator", "imm", {}, {{"estimators", "a", &space}, {"estimators", "b", &strange}}),
+                      Catch::StartsWith("a has no component of its state (position.x [m], ") &&
+                          Catch::EndsWith(") in common with another filter, so that there is nothing to mix"));
 }
