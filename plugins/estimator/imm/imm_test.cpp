@@ -103,7 +103,11 @@ Batch started(const EstimatorUnderTest& filter, const VectorXd& mean, const Matr
     return record;
 }
 const MatrixXd spread = VectorXd(Eigen::VectorXd::LinSpaced(9, 9, 1)).asDiagonal();
-VectorXd place() { return (VectorXd(9) << 100, 200, 300, 20, -5, 1, 0.1, 0.2, -0.1).finished(); }
+VectorXd place() {
+    VectorXd x(9);
+    x << 100, 200, 300, 20, -5, 1, 0.1, 0.2, -0.1;
+    return x;
+}
 
 }  // namespace
 
