@@ -109,7 +109,7 @@ graph:
     CHECK(ended.exit == 0);
 }
 
-TEST_CASE("schema: what is wrong is refused, at its place") {
+TEST_CASE("schema: what is wrong is refused, at its place", "[release-only]") {
     struct Wrong {
         std::string part, by, place, text;
     };
