@@ -66,9 +66,7 @@ public:
                                                    std::to_string(sensors_.back().info().measurement->size) +
                                                    " components, at most " + std::to_string(most_measured) +
                                                    " are possible");
-            const pelorus::Space looks_at(*sensors_.back().info().cartesian);
-            std::vector<int>& places = places_.emplace_back();
-            for (int k = 0; k < looks_at.size(); ++k) places.push_back(cartesian_.index(looks_at[k].name));
+            places_.push_back(places_in(cartesian_, sensors_.back()));
             scratch_bytes_ = std::max(scratch_bytes_, sensors_.back().info().scratch_bytes);
             at += part.struct_size;
         }
@@ -179,10 +177,7 @@ public:
         if ((info.flags & PLR_SENSOR_CONSTANT_NOISE) == 0) {
             const Eigen::Index m = measured(sensor);
             const Moments told = invert(at, sensor, measurement, Eigen::MatrixXd::Zero(m, m));
-            const pelorus::Space known(*info.inverse), wanted(*info.cartesian);
-            std::vector<int> places;
-            for (int k = 0; k < wanted.size(); ++k) places.push_back(known.index(wanted[k].name));
-            place = looked_at(places, told.mean);
+            place = looked_at(places_in(pelorus::Space(*info.inverse), part(sensor)), told.mean);
         }
         return noise_at(at, sensor, place, snr, waveform);
     }
@@ -217,6 +212,14 @@ private:
         return pelorus::view(record.data(), static_cast<std::int64_t>(record.size()), 1, 1);
     }
 
+    /// Where a space has what a sensor looks at, or -1.
+    static std::vector<int> places_in(const pelorus::Space& space, const pelorus::SensorPart& sensor) {
+        const pelorus::Space wanted(*sensor.info().cartesian);
+        std::vector<int> places;
+        for (const pelorus::Component& component : wanted.components()) places.push_back(space.index(component.name));
+        return places;
+    }
+
     /// What a sensor looks at, from its places in a mean; what is not known (-1) is 0.
     static Eigen::VectorXd looked_at(const std::vector<int>& places, const Eigen::VectorXd& mean) {
         Eigen::VectorXd out(static_cast<Eigen::Index>(places.size()));
@@ -241,7 +244,7 @@ private:
 
     pelorus::EstimatorPart estimator_;
     std::vector<pelorus::SensorPart> sensors_;
-    std::vector<std::vector<int>> places_;  ///< of what each sensor looks at, in `cartesian_`, or -1
+    std::vector<std::vector<int>> places_;  ///< of what each sensor looks at, in `cartesian_`
     pelorus::Space cartesian_;
     std::uint64_t scratch_bytes_ = 0;
 };

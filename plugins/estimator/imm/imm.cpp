@@ -26,6 +26,22 @@ void share_prior(const std::vector<pelorus::Space>& spaces, pelorus::Component& 
     component.prior_deviation = std::sqrt(variance);
 }
 
+/// A model that shares no component with any other would lose all that it knows at every mixing.
+void refuse_strangers(const std::vector<pelorus::Space>& states, const std::vector<const char*>& names) {
+    const auto share = [](const pelorus::Space& a, const pelorus::Space& b) {
+        return std::any_of(a.components().begin(), a.components().end(),
+                           [&](const pelorus::Component& component) { return b.index(component.name) >= 0; });
+    };
+    for (std::size_t j = 0; j < states.size() && states.size() > 1; ++j) {
+        std::size_t sharing = 0;  // itself among them
+        for (const pelorus::Space& state : states) sharing += share(states[j], state) ? 1u : 0u;
+        if (sharing == 1)
+            throw PartError("estimators", std::string(names[j]) + " has no component of its state (" +
+                                              states[j].text() +
+                                              ") in common with another filter, so that there is nothing to mix");
+    }
+}
+
 }  // namespace
 
 JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
@@ -64,27 +80,6 @@ JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
         prior.covariance(k, k) = space[k].prior_deviation * space[k].prior_deviation;
     }
 }
-
-namespace {
-
-/// A model that has no component in common with another would lose all that it knows at every mixing.
-void refuse_strangers(const std::vector<pelorus::Space>& states, const std::vector<const char*>& names) {
-    for (std::size_t j = 0; j < states.size(); ++j) {
-        bool is_stranger = states.size() > 1;
-        for (std::size_t i = 0; i < states.size(); ++i) {
-            if (i == j) continue;
-            for (const pelorus::Component& component : states[j].components())
-                is_stranger = is_stranger && states[i].index(component.name) < 0;
-        }
-        if (is_stranger)
-            throw PartError("estimators", std::string(names[j]) + " has no component of its state (" +
-                                              states[j].text() +
-                                              ") in common with another filter, so that there is "
-                                              "nothing to mix");
-    }
-}
-
-}  // namespace
 
 void Filter::build(const pelorus::Setup& setup) {
     const auto parts = setup.parts<pelorus::EstimatorPart>("estimators");
