@@ -11,6 +11,7 @@ using namespace axis_models;
 struct Parameters : AccelerationParameters {
     double maneuver_rate = 0.0;  // 1/s
     double forgetting = 0.0;
+    double start_deviation = 0.0;  // m/s2
 };
 
 /// What is remembered of one axis, all of posteriors before the present one.
@@ -51,6 +52,7 @@ template <int D> struct Model : CurrentStatisticalMotion<Model<D>, D>, Parameter
         Record record;
         for (int axis = 0; axis < D; ++axis) {
             Memory now = learned(read(step.record, axis), mean(2 * D + axis));
+            if (!(now.steps > 0.0)) begin_means(now, step.dt);
             now.steps += 1.0;
             now.span = step.dt;
             write(now, record, axis);
@@ -67,6 +69,12 @@ private:
         record.template segment<memory_size>(memory_size * axis) << memory.acceleration, memory.square, memory.product,
             memory.maneuver_rate, memory.steps, memory.span;
     }
+    /// The running means begin as those of a Singer acceleration of `start_deviation` and the rate of the first steps, so that
+    /// the first estimates, whose ratio is mostly noise, move a rate that is there instead of making one.
+    void begin_means(Memory& memory, double dt) const {
+        memory.square = start_deviation * start_deviation;
+        memory.product = memory.square * std::exp(-maneuver_rate * dt);
+    }
     /// The memory with the present acceleration in it. The start has no acceleration before it.
     Memory learned(const Memory& before, double acceleration) const {
         Memory now = before;
@@ -76,9 +84,9 @@ private:
         now.product = forgetting * before.product + (1.0 - forgetting) * acceleration * before.acceleration;
         if (before.steps + 1.0 < first_adapted_step || !(now.square > 0.0) || !(before.span > 0.0)) return now;
         const double correlation = now.product / now.square;
-        // A correlation that is not above 0 is that of an acceleration that turns over within a step.
-        const double rate = correlation > 0.0 ? -std::log(correlation) / before.span : greatest_rate;
-        now.maneuver_rate = std::clamp(rate, least_rate, greatest_rate);
+        // No Singer process has a correlation outside (0, 1): such a ratio tells of no rate, and the last one stands.
+        if (!(correlation > 0.0) || !(correlation < 1.0)) return now;
+        now.maneuver_rate = std::clamp(-std::log(correlation) / before.span, least_rate, greatest_rate);
         return now;
     }
 };
@@ -92,8 +100,9 @@ template <int D> void Model<D>::describe(pelorus::Describe<Model>& plugin) {
         .equation(
             "x = (p, v, a); b = 2 a_k - a_k-1; x- = F x + (g - f) b, F Singer's of rate r, f its last column, g = "
             "[T^2/2; T; 1]; Q = s^2 times Singer's exact noise for unit variance, s^2 = (4 - pi)/pi b^2, at least 0.01 "
-            "m2/s4; r = -ln(r1/r0)/T within 0.01 .. 3 1/s from the fifth step on, r1 and r0 running means of a_k a_k-1 "
-            "and a_k^2")
+            "m2/s4; r = -ln(r1/r0)/T within 0.01 .. 3 1/s from the fifth step on, kept where r1/r0 is outside (0, 1), "
+            "r1 and "
+            "r0 running means of a_k a_k-1 and a_k^2")
         .source(
             "an interpretation of the modified current statistical model that Zhang et al., Acta Electronica Sinica "
             "47(3), 560-567, 2019, compare with; after H. R. Zhou, K. S. P. Kumar, Journal of Guidance, Control and "
@@ -110,6 +119,11 @@ template <int D> void Model<D>::describe(pelorus::Describe<Model>& plugin) {
         .above(0.0)
         .below(1.0)
         .doc("share of the running means that a step keeps");
+    plugin.parameter("start_deviation", &Parameters::start_deviation)
+        .unit("m/s2")
+        .initially("1.5 m/s2")
+        .min(0.0)
+        .doc("acceleration that the running means begin with: r0 is its square, r1 that of maneuver_rate");
     describe_priors(plugin);
 }
 

@@ -44,7 +44,8 @@ TEST_CASE("the modified model learns its rate from the fifth step on", "[motion]
     MotionFilter filter(instance, Eigen::Vector3d(0.0, 0.0, 8.0), Eigen::Matrix3d::Identity());
     const auto rate = [&] { return -std::log(filter.jacobian(1.0)(2, 2)); };
     const double accelerations[] = {9.0, 12.0, 11.0, 14.0, 20.0};
-    double square = 0.0, product = 0.0, last = 8.0;
+    // The means begin with 1.5 m/s2 and the rate of the first steps.
+    double square = 2.25, product = 2.25 * std::exp(-0.6 * 2.0), last = 8.0;
     for (int step = 1; step <= 5; ++step) {
         CHECK(rate() == Approx(step < 5 ? 0.6 : -std::log(product / square) / 2.0).epsilon(1e-12));
         const double now = accelerations[step - 1];
@@ -57,16 +58,35 @@ TEST_CASE("the modified model learns its rate from the fifth step on", "[motion]
 }
 
 TEST_CASE("the rate that the modified model learns keeps its bounds", "[motion]") {
-    const Instance instance("motion", "modified_current_statistical", {{"dimension", "1"}});
+    const Instance instance("motion", "modified_current_statistical",
+                            {{"dimension", "1"}, {"start_deviation", "0 m/s2"}});
     const auto rate_after = [&](double factor) {
         MotionFilter filter(instance, Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Matrix3d::Identity());
         double acceleration = 1.0;
         for (int step = 0; step < 6; ++step) step_to(filter, 1.0, acceleration *= factor);
         return -std::log(filter.jacobian(1.0)(2, 2));
     };
-    CHECK(rate_after(-1.0) == Approx(3.0).epsilon(1e-12));  // turns over in every step
-    CHECK(rate_after(0.5) == Approx(0.01).epsilon(1e-12));  // r1 = 2 r0: correlated by more than 1
     CHECK(rate_after(1.25) == Approx(-std::log(0.8)).epsilon(1e-12));
+    CHECK(rate_after(100.0) == Approx(3.0).epsilon(1e-12));   // r1 = r0 / 100
+    CHECK(rate_after(1.001) == Approx(0.01).epsilon(1e-12));  // r1 = 0.999 r0
+}
+
+TEST_CASE("the modified model keeps its rate where the accelerations tell of none", "[motion]") {
+    const Instance instance("motion", "modified_current_statistical",
+                            {{"dimension", "1"}, {"start_deviation", "0 m/s2"}});
+    MotionFilter filter(instance, Eigen::Vector3d(0.0, 0.0, 1.0), Eigen::Matrix3d::Identity());
+    const auto rate = [&] { return -std::log(filter.jacobian(1.0)(2, 2)); };
+    double acceleration = 1.0;
+    for (int step = 0; step < 6; ++step) step_to(filter, 1.0, acceleration *= 1.25);
+    const double learned = rate();
+    CHECK(learned == Approx(-std::log(0.8)).epsilon(1e-12));
+    step_to(filter, 1.0, -2.0 * acceleration);  // turns over: r1 < 0
+    CHECK(rate() == Approx(learned).epsilon(1e-12));
+    step_to(filter, 1.0, -2.0 * acceleration);
+    for (int step = 0; step < 30; ++step) step_to(filter, 1.0, acceleration *= 0.5);  // correlated by more than 1
+    const double before = rate();
+    step_to(filter, 1.0, acceleration *= 0.5);
+    CHECK(rate() == Approx(before).epsilon(1e-12));
 }
 
 TEST_CASE("the modified model is never quite sure of its acceleration", "[motion]") {
