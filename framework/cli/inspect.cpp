@@ -81,7 +81,7 @@ int inspect_plugin(const CommandLine& line) {
     if (catalog.find(id) == nullptr && fs::is_directory(id, ignored_reason))
         throw Error(Exit::misuse,
                     fmt::format("{} is a folder; `pelorus list --plugins {}` lists the plugins in it", id, id));
-    Json plugin = description_json(catalog.load(id));
+    Json plugin = description_with_digest(catalog.load(id));
     std::vector<std::string> ignored;  // of plugins that nobody asked for
     plugin = whole_json(std::move(plugin), all_descriptions(catalog, ignored),
                         [&catalog](const std::string& any) -> const host::LoadedPlugin& { return catalog.load(any); });
@@ -98,7 +98,8 @@ int inspect_library(const CommandLine& line) {
     if (!library.rejected().empty())
         throw Error(Exit::misuse, file.string() + ": " + library.rejected().front().reason);
     std::vector<Json> own;
-    for (const host::PluginFile& each : library.plugins()) own.push_back(description_json(library.load(each.id)));
+    for (const host::PluginFile& each : library.plugins())
+        own.push_back(description_with_digest(library.load(each.id)));
     // Another copy of the library where plugins are looked for is no matter: this one is asked for.
     host::Catalog others(plugin_folders(line));
     std::vector<std::string> ignored;

@@ -113,13 +113,22 @@ Json description_json(const host::LoadedPlugin& plugin) {
               {"source", description.source},
               {"license", description.license},
               {"table", plugin.file.table_id},
-              {"library", plugin.file.library.string()},
-              {"sha256", plugin.sha256()}};
+              {"library", plugin.file.library.string()}};
     json["slots"] = slots_json(description);
     json["in_ports"] = ports_json(description.in_ports, description.in_port_count);
     json["out_ports"] = ports_json(description.out_ports, description.out_port_count);
     json["inputs"] = inputs_json(description);
     json["parameters"] = parameters_json(description.parameters, description.parameter_count);
+    return json;
+}
+
+Json description_with_digest(const host::LoadedPlugin& plugin) {
+    const Json all = description_json(plugin);
+    Json json;
+    for (const auto& [key, value] : all.items()) {
+        json[key] = value;
+        if (key == "library") json["sha256"] = plugin.sha256();
+    }
     return json;
 }
 

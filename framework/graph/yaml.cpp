@@ -7,9 +7,11 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -261,9 +263,28 @@ private:
     int documents_ = 0;
 };
 
+/// Whether a text is one plain scalar to any reader of YAML: words and numbers, such as `0.1 m/s2` or `truncated`. Most defaults
+/// are, and the parser takes far longer to find that out.
+bool is_plain_scalar(const std::string& text) {
+    const auto is_alphanumeric = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+    if (text.empty() || !is_alphanumeric(text.front()) || text.back() == ' ') return false;
+    if (text == "null" || text == "Null" || text == "NULL") return false;
+    return std::all_of(text.begin(), text.end(), [&](char c) {
+        return is_alphanumeric(c) || std::string_view(" ._/+-%").find(c) != std::string_view::npos;
+    });
+}
+
 }  // namespace
 
 Value read_yaml(const std::string& text, const TextOrigin& origin) {
+    if (origin.file.empty() && is_plain_scalar(text)) {
+        Value value;
+        value.kind = Value::Kind::scalar;
+        value.scalar = text;
+        value.where = origin.where;
+        value.base = origin.base;
+        return value;
+    }
     refuse_other_encodings(text, origin);
     Builder builder(origin);
     // yaml-cpp 0.7 takes an open quote for closed if white space ends the text.

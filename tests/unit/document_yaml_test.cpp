@@ -39,6 +39,22 @@ TEST_CASE("Every value and key knows its line and column", "[document]") {
     CHECK(list.base == "/configs");
 }
 
+TEST_CASE("A text that is not in a file is read like one that is", "[document]") {
+    const Location where{"", 0, 0};
+    for (const std::string text :
+         {"truncated", "0.1 m/s2", "-5", "1e-5 1/m", "95 %", "a  b", "a_b-c", "null",  "Null",   "NULL",
+          "nULL",      "~",        "",   " ",        "true", "...",  "---",   "--- a", "- a",    "a ",
+          " a",        "a/b.yaml", "+3", ".5",       "%a",   "'a'",  "a: b",  "a #b",  "[a, b]", "a\n"}) {
+        INFO("'" << text << "'");
+        const Value alone = read_yaml(text, {where, {}, "/configs"}), in_file = read(text);
+        CHECK(alone.kind == in_file.kind);
+        CHECK(alone.scalar == in_file.scalar);
+        CHECK(alone.quoted == in_file.quoted);
+        CHECK(alone.list.size() == in_file.list.size());
+        CHECK(alone.base == in_file.base);
+    }
+}
+
 TEST_CASE("Anchors are resolved and << is merged, explicit keys first, then the earlier map", "[document]") {
     const Value root = read(
         "x-a: &a {p: 1, q: 2}\n"

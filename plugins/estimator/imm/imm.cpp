@@ -26,20 +26,47 @@ void share_prior(const std::vector<pelorus::Space>& spaces, pelorus::Component& 
     component.prior_deviation = std::sqrt(variance);
 }
 
+bool share_a_component(const pelorus::Space& a, const pelorus::Space& b) {
+    return std::any_of(a.components().begin(), a.components().end(),
+                       [&](const pelorus::Component& component) { return b.index(component.name) >= 0; });
+}
+
 /// A model that shares no component with any other would lose all that it knows at every mixing.
 void refuse_strangers(const std::vector<pelorus::Space>& states, const std::vector<const char*>& names) {
-    const auto share = [](const pelorus::Space& a, const pelorus::Space& b) {
-        return std::any_of(a.components().begin(), a.components().end(),
-                           [&](const pelorus::Component& component) { return b.index(component.name) >= 0; });
-    };
     for (std::size_t j = 0; j < states.size() && states.size() > 1; ++j) {
         std::size_t sharing = 0;  // itself among them
-        for (const pelorus::Space& state : states) sharing += share(states[j], state) ? 1u : 0u;
+        for (const pelorus::Space& state : states) sharing += share_a_component(states[j], state) ? 1u : 0u;
         if (sharing == 1)
             throw PartError("estimators", std::string(names[j]) + " has no component of its state (" +
                                               states[j].text() +
                                               ") in common with another filter, so that there is nothing to mix");
     }
+}
+
+/// So would all of them at each change from one half to the other, where no component of the one is in the other.
+void refuse_halves(const std::vector<pelorus::Space>& states, const std::vector<const char*>& names) {
+    std::vector<std::size_t> reached{0};  // from the first, through those that share something
+    std::vector<bool> is_reached(states.size(), false);
+    is_reached[0] = true;
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+        const std::size_t from = reached[k];
+        for (std::size_t j = 0; j < states.size(); ++j) {
+            if (is_reached[j] || !share_a_component(states[from], states[j])) continue;
+            is_reached[j] = true;
+            reached.push_back(j);
+        }
+    }
+    if (reached.size() == states.size()) return;
+    const auto half = [&](bool first) {
+        std::string text;
+        for (std::size_t j = 0; j < states.size(); ++j)
+            if (is_reached[j] == first) text += (text.empty() ? "" : ", ") + std::string(names[j]);
+        return text;
+    };
+    throw PartError("estimators",
+                    "are of two halves that have no component in common, so that nothing can be mixed "
+                    "between them: " +
+                        half(true) + " and " + half(false));
 }
 
 }  // namespace
@@ -105,6 +132,7 @@ void Filter::build(const pelorus::Setup& setup) {
         names_.push_back(part.raw().name[0] == 0 ? part.raw().description->id : part.raw().name);
     }
     refuse_strangers(states, names_);
+    refuse_halves(states, names_);
     state_ = JoinedSpace(states);
     cartesian_ = JoinedSpace(cartesians);
     add_sensors(parts);

@@ -299,4 +299,14 @@ TEST_CASE("imm: parts that do not go together are refused", "[imm]") {
     CHECK_THROWS_WITH(Instance("estimator", "imm", {}, {{"estimators", "a", &space}, {"estimators", "b", &strange}}),
                       Catch::StartsWith("a has no component of its state (position.x [m], ") &&
                           Catch::EndsWith(") in common with another filter, so that there is nothing to mix"));
+    const Instance wandering("motion", "random_walk"), angular("motion", "log_spherical");
+    const Instance near("estimator", "kalman", {}, {{"motion", "", &wandering}, {"sensors", "radar", &radar}});
+    const Instance far("estimator", "kalman", {}, {{"motion", "", &angular}, {"sensors", "radar", &radar}});
+    CHECK_THROWS_WITH(Instance("estimator", "imm", {},
+                               {{"estimators", "straight", &space},
+                                {"estimators", "log", &strange},
+                                {"estimators", "still", &near},
+                                {"estimators", "angular", &far}}),
+                      "are of two halves that have no component in common, so that nothing can be mixed between them: "
+                      "straight, still and log, angular");
 }

@@ -10,11 +10,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -118,22 +120,40 @@ private:
         std::int32_t axes = 0;
         const char* what;
 
+        /// Made for every message, so without copying the space.
         Layout(const plr_space& raw, const char* what_) : what(what_) {
-            const Space space(raw);
-            for (const char* derivative : {"position.", "velocity.", "acceleration."}) {
-                std::vector<int> found;
-                for (const char* axis : {"x", "y", "z"}) {
-                    const int index = space.index(std::string(derivative) + axis);
-                    if (index >= 0) found.push_back(index);
-                }
+            std::array<std::array<int, 3>, 3> place;  // derivative, axis; -1: the space has none
+            for (auto& of_axes : place) of_axes.fill(-1);
+            const char* at = reinterpret_cast<const char*>(raw.components);
+            for (std::uint32_t k = 0; k < raw.size; ++k) {
+                const auto& component = *reinterpret_cast<const plr_component*>(at);
+                at += component.struct_size;
+                const auto [derivative, axis] = place_of(component.name);
+                if (derivative < 3 && place[derivative][axis] < 0) place[derivative][axis] = static_cast<int>(k);
+            }
+            components.reserve(9);
+            for (const auto& of_axes : place) {
+                const auto found = static_cast<std::int32_t>(
+                    std::count_if(of_axes.begin(), of_axes.end(), [](int index) { return index >= 0; }));
                 if (axes == 0) {
-                    axes = static_cast<std::int32_t>(found.size());
-                    if (axes == 0) throw DataError(std::string(what) + " tell no position: " + space.text());
-                } else if (static_cast<std::int32_t>(found.size()) != axes) {
+                    axes = found;
+                    if (axes == 0) throw DataError(std::string(what) + " tell no position: " + Space(raw).text());
+                } else if (found != axes) {
                     break;  // no velocity (acceleration), or not of all axes
                 }
-                components.insert(components.end(), found.begin(), found.end());
+                for (const int index : of_axes)
+                    if (index >= 0) components.push_back(index);
             }
+        }
+        /// The derivative and the axis of a component's name; derivative 3: it is neither position nor velocity nor acceleration.
+        static std::pair<std::size_t, std::size_t> place_of(std::string_view name) noexcept {
+            constexpr std::string_view derivatives[] = {"position.", "velocity.", "acceleration."};
+            for (std::size_t d = 0; d < 3; ++d) {
+                const std::size_t length = derivatives[d].size();
+                if (name.size() != length + 1 || name.substr(0, length) != derivatives[d]) continue;
+                if (name.back() >= 'x' && name.back() <= 'z') return {d, static_cast<std::size_t>(name.back() - 'x')};
+            }
+            return {3, 0};
         }
         Sample sample(std::uint64_t id, const plr_const_view& mean, const plr_const_view& extent,
                       std::int64_t i) const {
