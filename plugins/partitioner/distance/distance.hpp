@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../../common/partition/distance_groups.hpp"
+#include "../../common/partition/threshold_input.hpp"
 #include "../../common/partition/writer.hpp"
 
 namespace distance {
@@ -23,6 +24,7 @@ public:
             .min(1e-9)
             .max(1e15)
             .doc("d0: measurements that are closer than this belong together");
+        partition::describe_threshold_input(plugin);
     }
 
     void setup(const pelorus::Setup&) {
@@ -32,11 +34,12 @@ public:
     }
 
     plr_status split(const plr_call& call, const plr_partitioner_split& args) const {
+        const double threshold = partition::threshold_in_force(inputs, call, threshold_);
         partition::expect_points(info, args);
         partition::Writer writer(*args.out);
         if (args.points.count > 0) {
             partition::CallMemory memory(call, partition::distance_groups_need(), args.points.count);
-            writer.cells(partition::distance_groups(memory, args.points, threshold_, args.parallel, call.error));
+            writer.cells(partition::distance_groups(memory, args.points, threshold, args.parallel, call.error));
             writer.alternative(1);
         }
         return writer.finish();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../../common/partition/predicted_cells.hpp"
+#include "../../common/partition/threshold_input.hpp"
 
 namespace joint {
 
@@ -18,6 +19,7 @@ public:
                 "gate e' (lambda X + R)^-1 e < chi-square(p, d); the part with the least e' (H P H' + mean R)^-1 "
                 "e; weights N(e; 0, H P H' + R)/max(|e|, 1 mm), normalised")
             .source("L. Han, H. Zhou, Journal of Ordnance Equipment Engineering 41(12), 2020");
+        partition::describe_threshold_input(plugin);
         PredictedCellSettings::describe(plugin, "0.9999",
                                         "d0: distance below which measurements belong together, in a gate and outside");
         plugin.parameter("repartition", &Joint::repartition_)
@@ -33,7 +35,9 @@ public:
     }
 
     plr_status split(const plr_call& call, const plr_partitioner_split& args) const {
-        return partition::split_by_predictions(info, *this, repartition_, call, args);
+        partition::PredictedCellSettings settings = *this;
+        settings.threshold = partition::threshold_in_force(inputs, call, threshold);
+        return partition::split_by_predictions(info, settings, repartition_, call, args);
     }
 
 private:
