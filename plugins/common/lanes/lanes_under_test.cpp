@@ -1,6 +1,7 @@
 #include "lanes_under_test.hpp"
 
-#include "algebra.hpp"
+#include "angles.hpp"
+#include "factors.hpp"
 
 namespace lanes_under_test {
 
@@ -87,6 +88,50 @@ void square(int size, int columns, int items, const double* a, double* out) noex
     store_items(to, size * size, items, out);
 }
 
+void append(int size, int columns, int items, double* l, const double* c) noexcept {
+    Pack factor[most], more[most];
+    load_items(size * size, items, l, factor);
+    load_items(size * columns, items, c, more);
+    sized(size, [&](auto n) { append_columns(n, columns, factor, more); });
+    store_items(factor, size * size, items, l);
+}
+
+void take_away(int size, int items, double* l, const double* u, bool* failed) noexcept {
+    Pack factor[most], less[most], scratch[most];
+    load_items(size * size, items, l, factor);
+    load_items(size, items, u, less);
+    Mask mask{};
+    sized(size, [&](auto n) { downdate(n, factor, less, scratch, mask); });
+    store_items(factor, size * size, items, l);
+    for (int lane = 0; lane < items; ++lane) failed[lane] = mask[lane] != 0;
+}
+
+void update(int size, int m, int seen, int items, double* s, double* z, const double* g, double* k) noexcept {
+    Pack factor[most], noise[most], looks[most], gain[most], scratch[most];
+    load_items(size * size, items, s, factor);
+    load_items(m * m, items, z, noise);
+    load_items(m * seen, items, g, looks);
+    sized(size, [&](auto n) { array_update(n, m, seen, factor, noise, looks, gain, scratch); });
+    store_items(factor, size * size, items, s);
+    store_items(noise, m * m, items, z);
+    store_items(gain, size * m, items, k);
+}
+
+void angles(int items, const double* y, const double* x, double* out) noexcept {
+    Pack up[1], right[1];
+    load_items(1, items, y, up);
+    load_items(1, items, x, right);
+    up[0] = arc_tangent(up[0], right[0]);
+    store_items(up, 1, items, out);
+}
+
+void wrap(int items, const double* x, double* out) noexcept {
+    Pack pack[1];
+    load_items(1, items, x, pack);
+    pack[0] = wrapped(pack[0]);
+    store_items(pack, 1, items, out);
+}
+
 void logarithms(int items, const double* x, double* out) noexcept {
     Pack pack{};
     load_items(1, items, x, &pack);
@@ -97,7 +142,8 @@ void logarithms(int items, const double* x, double* out) noexcept {
 }  // namespace
 
 extern const Algebra algebra;
-const Algebra algebra{width, &copy, &cholesky, &triangularise, &solve, &log_density, &square, &logarithms};
+const Algebra algebra{width,   &copy,      &cholesky, &triangularise, &solve, &log_density, &square,
+                      &append, &take_away, &update,   &angles,        &wrap,  &logarithms};
 
 }  // namespace PELORUS_LANES
 

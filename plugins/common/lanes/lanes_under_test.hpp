@@ -16,6 +16,15 @@ struct Algebra {
     void (*solve)(int n, int columns, int items, const double* l, double* b);
     void (*log_normal)(int n, int items, const double* l, const double* e, double* out);
     void (*gram)(int n, int columns, int items, const double* a, double* out);
+    /// l = the factor of l l' + c c', c n x k.
+    void (*append)(int n, int k, int items, double* l, const double* c);
+    /// l = the factor of l l' - u u'.
+    void (*downdate)(int n, int items, double* l, const double* u, bool* failed);
+    /// The array form of an update of n states by m measurements that see the first `seen`; s and z are replaced.
+    void (*update)(int n, int m, int seen, int items, double* s, double* z, const double* g, double* k);
+    /// The angles of vectors, and angles wrapped.
+    void (*arc_tangent)(int items, const double* y, const double* x, double* out);
+    void (*wrap)(int items, const double* x, double* out);
     void (*logarithm)(int items, const double* x, double* out);
 };
 
