@@ -54,7 +54,7 @@ private:
         std::uint32_t cells = 0;  // of the alternative being written
         int alike = 0;            // thresholds that give it
         for (const double threshold : thresholds_) {
-            if (cells != 1) {  // all is joined already
+            if (cells != 1) {  // one cell stays one
                 partition::Memory own = memory;
                 const partition::Groups groups =
                     partition::distance_groups(own, args.points, threshold, args.parallel, call.error);
