@@ -25,7 +25,7 @@ public:
         return array;
     }
 
-    static constexpr std::size_t step = 8;
+    static constexpr std::size_t step = 16;  ///< and alignment, that of the largest types of the compiler
 
 private:
     unsigned char *at_, *end_;

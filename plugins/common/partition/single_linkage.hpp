@@ -61,8 +61,9 @@ template <int D> double largest_squared_distance(const Box<D>& a, const Box<D>& 
 /// take time that grows with their pairs.
 template <int D> class SingleLinkage {
 public:
-    SingleLinkage(Grid<D>& grid, double square, Components& components)
-        : grid_(grid), square_(square), components_(components) {}
+    /// `ends`: where in each cell the points end that count; none: all do.
+    SingleLinkage(Grid<D>& grid, double square, Components& components, const std::uint32_t* ends = nullptr)
+        : grid_(grid), square_(square), components_(components), ends_(ends) {}
 
     void link(const plr_parallel* parallel, plr_error* error) {
         const std::uint32_t cells = grid_.cell_count();
@@ -87,7 +88,7 @@ private:
     void link_block(std::int64_t first, std::int64_t last) noexcept {
         grid_.for_near_cells(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last),
                              [this](std::uint32_t a, std::uint32_t b) {
-                                 const std::uint32_t size_a = grid_.points_in(a), size_b = grid_.points_in(b);
+                                 const std::uint32_t size_a = size(a), size_b = size(b);
                                  if (size_a == 1 && size_b == 1) {
                                      if (are_linked(grid_.begin(a), grid_.begin(b))) components_.join(a, b);
                                      return;
@@ -96,8 +97,8 @@ private:
                                  const bool all = std::uint64_t{size_a} * size_b <= few_pairs;
                                  const std::uint32_t step_a = all ? 1 : (size_a + tried_points - 1) / tried_points;
                                  const std::uint32_t step_b = all ? 1 : (size_b + tried_points - 1) / tried_points;
-                                 for (std::uint32_t k = grid_.begin(a); k < grid_.end(a); k += step_a)
-                                     for (std::uint32_t l = grid_.begin(b); l < grid_.end(b); l += step_b)
+                                 for (std::uint32_t k = grid_.begin(a); k < end(a); k += step_a)
+                                     for (std::uint32_t l = grid_.begin(b); l < end(b); l += step_b)
                                          if (are_linked(k, l)) {
                                              components_.join(a, b);
                                              return;
@@ -109,17 +110,20 @@ private:
     void link_crowded_cells() noexcept {
         std::uint64_t largest = 0;
         for (std::uint32_t cell = 0; cell < grid_.cell_count(); ++cell)
-            largest = std::max<std::uint64_t>(largest, grid_.points_in(cell));
+            largest = std::max<std::uint64_t>(largest, size(cell));
         if (largest * largest <= few_pairs) return;
         for (std::uint32_t first = 0; first < grid_.cell_count(); first += block)
             grid_.for_near_cells(first, std::min(first + block, grid_.cell_count()),
                                  [this](std::uint32_t a, std::uint32_t b) {
-                                     if (std::uint64_t{grid_.points_in(a)} * grid_.points_in(b) <= few_pairs) return;
+                                     if (std::uint64_t{size(a)} * size(b) <= few_pairs) return;
                                      if (components_.joined(a, b)) return;
-                                     if (are_linked({grid_.begin(a), grid_.end(a)}, {grid_.begin(b), grid_.end(b)}))
+                                     if (are_linked({grid_.begin(a), end(a)}, {grid_.begin(b), end(b)}))
                                          components_.join(a, b);
                                  });
     }
+
+    std::uint32_t end(std::uint32_t cell) const noexcept { return ends_ == nullptr ? grid_.end(cell) : ends_[cell]; }
+    std::uint32_t size(std::uint32_t cell) const noexcept { return end(cell) - grid_.begin(cell); }
 
     bool are_linked(std::uint32_t k, std::uint32_t l) const noexcept {
         return squared_distance<D>(grid_.at(k), grid_.at(l)) < square_;
@@ -158,6 +162,7 @@ private:
     Grid<D>& grid_;
     double square_;
     Components& components_;
+    const std::uint32_t* ends_;
 };
 
 }  // namespace partition
