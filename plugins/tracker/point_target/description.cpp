@@ -34,7 +34,8 @@ void describe_start(pelorus::Describe<PointTargetTracker>& plugin) {
     plugin.parameter("start", &Parameters::start)
         .initially("one_point")
         .choices({{"one_point", "one detection begins a track; its velocity is the motion's prior"},
-                  {"two_point", "two detections within reach do, with the velocity between them"}})
+                  {"two_point", "two detections within reach do, with the velocity between them"},
+                  {"three_point", "all pairs of detections within reach are tried, and a third one decides"}})
         .doc("what begins a track");
     plugin.parameter("start_confirm", &Parameters::start_confirm)
         .initially("3")

@@ -50,6 +50,8 @@ public:
     pelorus::Caller& caller() noexcept { return caller_; }
     /// Whether a track takes measurements that are older than it is.
     bool takes_late() const noexcept { return (estimator_.info().flags & PLR_ESTIMATOR_OUT_OF_SEQUENCE) != 0; }
+    /// Whether the estimator draws random numbers.
+    bool draws() const noexcept { return draws_; }
     /// How many times past a record tells of, the newest included; 0: the estimator does not smooth.
     std::size_t smoothed_times() const noexcept {
         return smoothing_ == nullptr ? 0 : static_cast<std::size_t>(smoothing_->most);

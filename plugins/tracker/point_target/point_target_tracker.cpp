@@ -12,14 +12,18 @@ void PointTargetTracker::setup(const pelorus::Setup& setup) {
         throw pelorus::ParameterError("start_confirm", "is greater than start_of; no track would ever be confirmed");
     if (misses == Misses::by_time && !silence)
         throw pelorus::ParameterError("silence", "is required with misses: by_time; nothing else would end a track");
+    if (start == Start::three_point && start_confirm < 3)
+        throw pelorus::ParameterError("start_confirm", "is less than 3, which start: three_point needs");
+    if (start == Start::three_point && misses == Misses::by_time)
+        throw pelorus::ParameterError("start", "three_point needs scans that show every object (misses: per_scan)");
     models_.setup(setup, gate_probability);
-    if (start == Start::two_point) {
+    if (start != Start::one_point) {
         const auto full = [&](const SensorModel& sensor) { return sensor.axes == models_.axes(); };
         if (std::none_of(models_.sensors().begin(), models_.sensors().end(), full))
-            throw pelorus::PartError("estimator", "no sensor tells a whole position, which start: two_point needs");
+            throw pelorus::PartError("estimator", "no sensor tells a whole position, which a start from points needs");
         for (int axis = 0; axis < models_.axes(); ++axis)
             if (models_.velocity(axis) < 0)
-                throw pelorus::PartError("estimator", "has no velocity on every axis, which start: two_point needs");
+                throw pelorus::PartError("estimator", "has no velocity on every axis, which a start from points needs");
     }
     if (association == Association::joint) check_joint();
     gating_.setup(maximum_speed);
@@ -85,7 +89,12 @@ void PointTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& sc
     else
         associate_tracks(true);
     associate_tracks(false);
-    associate_points();
+    if (start == Start::three_point) {
+        choose_hypotheses();
+        branch_points();
+    } else {
+        associate_points();
+    }
     update_tracks();
     start_tracks();
     settle();
@@ -125,7 +134,9 @@ bool PointTargetTracker::predicts_all() {
 std::vector<GatedPair> PointTargetTracker::free_pairs(bool confirmed) const {
     std::vector<GatedPair> pairs;
     for (const GatedPair& pair : gating_.pairs())
-        if (tracks_[pair.track].confirmed() == confirmed && taken_[pair.detection] == 0) pairs.push_back(pair);
+        if (tracks_[pair.track].confirmed() == confirmed && taken_[pair.detection] == 0 &&
+            !is_hypothesis(tracks_[pair.track]))
+            pairs.push_back(pair);
     return pairs;
 }
 
@@ -174,16 +185,21 @@ std::int64_t PointTargetTracker::record_time(const Outcome& outcome) const {
     return outcome.mixture != none ? joint_.tracks()[outcome.mixture].time : detections_.times[outcome.detection];
 }
 
+/// Single points with the detections within reach of them that nobody has taken yet.
+std::vector<GatedPair> PointTargetTracker::free_point_pairs() const {
+    std::vector<GatedPair> pairs;
+    if (detections_.size() == 0 || detections_.sensor->axes != models_.axes()) return pairs;
+    for (const GatedPair& pair : gating_.point_pairs())
+        if (taken_[pair.detection] == 0 && !outcomes_[pair.track].removed) pairs.push_back(pair);
+    return pairs;
+}
+
 /// Single points find their second one among the detections that are left.
 void PointTargetTracker::associate_points() {
-    std::vector<GatedPair> pairs;
-    double widest = 0;
-    for (const GatedPair& pair : gating_.point_pairs()) {
-        if (taken_[pair.detection] != 0 || detections_.sensor->axes != models_.axes()) continue;
-        pairs.push_back(pair);
-        widest = std::max(widest, pair.distance);  // the reach is the gate
-    }
+    const std::vector<GatedPair> pairs = free_point_pairs();
     if (pairs.empty()) return;
+    double widest = 0;  // the reach is the gate
+    for (const GatedPair& pair : pairs) widest = std::max(widest, pair.distance);
     std::vector<TwoPoints> chosen;
     std::vector<std::size_t> tracks;
     for (const std::size_t i : associate(pairs, widest)) {
@@ -286,7 +302,7 @@ void PointTargetTracker::start_tracks() {
     }
     count("late_measurements", too_late);
     if (starting.empty()) return;
-    if (start == Start::two_point) {
+    if (start != Start::one_point) {
         for (const std::size_t j : starting) add_track(j, nullptr);
         return;
     }
@@ -308,6 +324,7 @@ void PointTargetTracker::add_track(std::size_t detection, const double* record) 
     track.place = detections_.places[detection];
     track.deviation = detections_.deviations[detection];
     if (record == nullptr) track.covariance = place_covariance(detections_, detection);
+    track.begun = {detections_.ids[detection], 0};
     track.hits = track.scans = 0;  // settle() counts this scan
     tracks_.add(track, record);
     outcomes_.push_back({detection, none, 0, false, false, none});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 
 #include <pelorus/innovations.hpp>
 #include <pelorus/stage.hpp>
@@ -12,7 +13,7 @@
 namespace point_target {
 
 enum class Association { nearest, joint };
-enum class Start { one_point, two_point };
+enum class Start { one_point, two_point, three_point };
 enum class Misses { per_scan, by_time };
 enum class Publish { updated, all };
 enum class Tentative { hide, show };
@@ -46,7 +47,7 @@ public:
     void finish(const pelorus::Event& event);
     void on_values(const pelorus::Event& event, const plr_values& values);
 
-    static constexpr std::uint32_t state_version = 2;
+    static constexpr std::uint32_t state_version = 3;
     template <class Archive> void state(Archive& archive) {
         std::uint64_t record_size = models_.record_size();
         std::uint32_t record_version = models_.record_version();
@@ -84,6 +85,11 @@ private:
     void associate_jointly();
     std::int64_t record_time(const Outcome& outcome) const;
     void associate_points();
+    bool is_hypothesis(const Track& track) const;
+    void choose_hypotheses();
+    void drop_rivals(const std::set<std::uint64_t>& used);
+    void branch_points();
+    std::vector<GatedPair> free_point_pairs() const;
     void update_tracks();
     void bring_forward(const std::vector<std::size_t>& tracks, std::vector<double>& records, Failures& failed);
     void start_tracks();

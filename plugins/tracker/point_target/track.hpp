@@ -18,19 +18,20 @@ inline std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 
 struct Track {
     std::uint64_t id = 0;
     std::int32_t status = PLR_TRACK_TENTATIVE;
-    bool has_record = true;              ///< false: a single point that waits for a second one
-    bool told = false;                   ///< some entry of it has been published
-    std::int64_t time = 0;               ///< ns, of the record
-    std::int64_t seen = 0;               ///< ns, of the last measurement
-    Point place{};                       ///< at that time, m
-    double deviation = 0;                ///< of the place, m
-    std::array<double, 9> covariance{};  ///< of the place, of a single point
-    std::int32_t hits = 1, scans = 1;    ///< measurements taken, and scans since the first of them
-    std::int32_t misses = 0;             ///< scans in a row without a measurement
+    bool has_record = true;                ///< false: a single point that waits for a second one
+    bool told = false;                     ///< some entry of it has been published
+    std::int64_t time = 0;                 ///< ns, of the record
+    std::int64_t seen = 0;                 ///< ns, of the last measurement
+    Point place{};                         ///< at that time, m
+    double deviation = 0;                  ///< of the place, m
+    std::array<double, 9> covariance{};    ///< of the place, of a single point
+    std::int32_t hits = 1, scans = 1;      ///< measurements taken, and scans since the first of them
+    std::int32_t misses = 0;               ///< scans in a row without a measurement
+    std::array<std::uint64_t, 2> begun{};  ///< ids of the measurements that it began with: one, or two of a hypothesis
 
     bool confirmed() const noexcept { return status != PLR_TRACK_TENTATIVE; }
     template <class Archive> void state(Archive& archive) {
-        archive(id, status, has_record, told, time, seen, place, deviation, covariance, hits, scans, misses);
+        archive(id, status, has_record, told, time, seen, place, deviation, covariance, hits, scans, misses, begun);
     }
 };
 
