@@ -48,7 +48,8 @@ public:
             const Spread spread = spread_of(args.scan[0], i);
             if (spread.points < 1) throw pelorus::NumericError("the shape starts with at least 1 point, got 0");
             // Without a smallest half axis a group of few points would have no extent along some axis.
-            const double least = std::max(smallest_half_axis * smallest_half_axis, least_share * spread.noise.trace());
+            const double least =
+                smallest_half_axis > 0 ? smallest_half_axis * smallest_half_axis : least_share * spread.noise.trace();
             const Matrix<D> extent = spread.sum / spread.number + least * Matrix<D>::Identity();
             of(extent, start_certainty).write(args.record.data + i * args.record.item_stride);
         });
@@ -62,9 +63,10 @@ public:
             const double dt = args.dt.data[i * args.dt.item_stride];
             if (dt < 0) throw pelorus::UnsupportedError("cannot move backward in time (dt < 0)");
             const Shape before = shape_of(args.record, i);
-            Shape after = of(before.extent(), dt > 0 ? evolved(certainty(before), dt / step) : certainty(before));
+            Shape after = before;
+            if (dt != 0) after = of(before.extent(), evolved(certainty(before), dt / step));
             after.age = before.age + dt;
-            (dt > 0 ? after : before).write(args.out.data + i * args.out.item_stride);
+            after.write(args.out.data + i * args.out.item_stride);
         });
     }
 

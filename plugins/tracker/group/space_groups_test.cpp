@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -125,4 +126,25 @@ TEST_CASE("tracker.group: groups of the recorded flights split as the published 
         CHECK(counts->alive[759] >= 16);
         CHECK(counts->alive[759] <= 17);
     }
+}
+
+TEST_CASE("tracker.group: with missed detections no ghosts are left where duplicates are removed",
+          "[tracker.group][space_groups]") {
+    const auto scans = scans_of(recording(1, "meas"));
+    if (scans.empty()) {
+        WARN("there are no recordings (PELORUS_DATA): not tried");
+        return;
+    }
+    // Each point is there nine times of ten.
+    std::mt19937 random(5);
+    std::vector<std::vector<Vector3d>> seen;
+    for (const auto& scan : scans) {
+        auto& some = seen.emplace_back();
+        for (const Vector3d& place : scan)
+            if (random() % 10 != 0) some.push_back(place);
+    }
+    const Counts counts = run({"{maximum_speed: 9 km/s, start_gate_probability: 0.9999, duplicate_distance: 20 m}",
+                               "partitioner.joint", "{threshold: 500 m}"},
+                              seen);
+    for (std::size_t k = 661; k <= 760; ++k) CHECK(counts.alive[k - 1] == 16);
 }
