@@ -10,6 +10,7 @@
 
 #include <pelorus/truth_pairs.hpp>
 
+#include "../../common/partition/group_count.hpp"
 #include "set_distance.hpp"
 
 namespace ospa {
@@ -45,7 +46,8 @@ public:
             .doc("p: how much more a large error counts than a small one");
         plugin.parameter("group_distance", &Ospa::group_distance_)
             .unit("m")
-            .above(0)
+            .min(1e-9)
+            .max(1e15)
             .doc(
                 "objects less than so far apart are linked to groups; the middle is then where there are more groups "
                 "than one and fewer than objects. Absent: the middle is all the time");
@@ -139,7 +141,7 @@ private:
         Step step{time, set_distance(objects, estimates, cutoff_, order_), static_cast<std::int64_t>(objects.size()),
                   static_cast<std::int64_t>(estimates.size()), true};
         if (group_distance_) {
-            const std::int64_t groups = group_count(objects, *group_distance_);
+            const std::int64_t groups = partition::group_count(objects, *group_distance_);
             step.is_middle = groups > 1 && groups < step.objects;
         }
         return step;

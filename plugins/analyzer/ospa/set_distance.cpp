@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "../../common/assignment/assignment.hpp"
 
@@ -66,24 +65,6 @@ SetDistance set_distance(const std::vector<Point>& objects, const std::vector<Po
     out.gospa_missed = root(missed);
     out.gospa_false = root(false_ones);
     return out;
-}
-
-std::int64_t group_count(const std::vector<Point>& points, double distance) {
-    std::vector<std::size_t> parent(points.size());
-    std::iota(parent.begin(), parent.end(), std::size_t{0});
-    const auto root = [&](std::size_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    auto groups = static_cast<std::int64_t>(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) {
-            if (!(squared_distance(points[i], points[j]) < distance * distance)) continue;
-            const std::size_t a = root(i), b = root(j);
-            if (a != b) --groups;
-            parent[a] = b;
-        }
-    return groups;
 }
 
 }  // namespace ospa

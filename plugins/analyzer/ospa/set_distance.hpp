@@ -26,7 +26,4 @@ struct SetDistance {
 SetDistance set_distance(const std::vector<Point>& objects, const std::vector<Point>& estimates, double cutoff,
                          double order);
 
-/// Into how many groups points fall of which two are linked if they are less than `distance` (m) apart.
-std::int64_t group_count(const std::vector<Point>& points, double distance);
-
 }  // namespace ospa

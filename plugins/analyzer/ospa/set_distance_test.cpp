@@ -126,11 +126,3 @@ TEST_CASE("set distance: a thousand against a thousand", "[ospa]") {
     std::shuffle(estimates.begin(), estimates.end(), random);
     CHECK(set_distance(objects, estimates, 1000, 2).ospa == Approx(1));
 }
-
-TEST_CASE("set distance: groups are what links of less than the distance connect", "[ospa]") {
-    const std::vector<Point> row{{0, 0, 0}, {9, 0, 0}, {18, 0, 0}, {28, 0, 0}, {100, 0, 0}};
-    CHECK(ospa::group_count(row, 10) == 3);  // 18 and 28 are 10 apart, not less
-    CHECK(ospa::group_count(row, 10.001) == 2);
-    CHECK(ospa::group_count(row, 1000) == 1);
-    CHECK(ospa::group_count({}, 10) == 0);
-}

@@ -1,5 +1,5 @@
 #include "../../../tests/support/motion_at.hpp"
-#include "air.hpp"
+#include "../../common/ballistic/air.hpp"
 
 #include <GeographicLib/Geocentric.hpp>
 

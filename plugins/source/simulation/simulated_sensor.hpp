@@ -13,6 +13,7 @@
 #include <pelorus/sensor.hpp>
 #include <pelorus/small_matrix.hpp>
 
+#include "conversion.hpp"
 #include "draws.hpp"
 #include "target.hpp"
 
@@ -26,6 +27,7 @@ struct SensorValues {
     std::optional<std::vector<double>> clutter_min, clutter_max;  // m
     double drop = 0;
     bool shared_error = false;
+    bool converted = false;
 };
 
 class SimulatedSensor {
@@ -47,11 +49,21 @@ public:
         for (int axis = 0; axis < axes.size(); ++axis) axis_components_.push_back(cartesian_.index(axes[axis].name));
         if (part_.info().waveform != nullptr) waveform_ = pelorus::Space(*part_.info().waveform);
         if (values_.false_alarms > 0) check_box();
+        if (values_.converted) conversion_.emplace(part);
     }
 
     std::string name() const { return part_.name(); }
     const SensorValues& values() const noexcept { return values_; }
-    const pelorus::Space& measurement() const noexcept { return measurement_; }
+    /// What a scan tells of: its measurements, or the positions that they are converted to.
+    const pelorus::Space& told() const noexcept { return conversion_ ? conversion_->space() : measurement_; }
+    /// Throws PartError unless a recording of positions at the simulation's ticks can stand for what it measures.
+    void check_recordable() const {
+        if (!cartesian_.same(pelorus::position_space(3)))
+            throw pelorus::PartError("sensors", "sensor " + name() + " looks at " + cartesian_.text() +
+                                                    "; a recording tells positions x, y, z");
+        if (values_.period)
+            throw pelorus::PartError("sensors", "sensor " + name() + " has a period of its own; a recording has not");
+    }
     std::uint64_t scratch_bytes() const noexcept { return part_.info().scratch_bytes; }
 
     /// Throws PartError unless the target's states have all that the sensor looks at.
@@ -89,10 +101,12 @@ public:
                  const Target& target, const std::vector<Object>& objects, std::uint64_t& next_id, bool with_covariance,
                  pelorus::ScanBuilder& scan, std::vector<std::vector<std::uint64_t>*>& origins) const {
         for (std::size_t k = 0; k < objects.size(); ++k) {
+            if (objects[k].recorded && objects[k].measured == nullptr) continue;
             const Place place{number_, target.number(), tick, objects[k].index + 1};
             std::vector<std::size_t> numbers;
             const std::vector<double> points = detected_points(draws, place, target, objects[k], numbers);
-            add(caller, draws, time, place, points, numbers, next_id, with_covariance, scan, origins[k]);
+            add(caller, draws, time, place, points, numbers, objects[k].recorded, next_id, with_covariance, scan,
+                origins[k]);
         }
     }
 
@@ -116,7 +130,8 @@ public:
                 points[p * c + box_components_[axis]] =
                     low + (high - low) * draws.uniform(PLR_STREAM_CLUTTER, where, p * d + axis);
             }
-        add(caller, draws, time, {number_, 1, tick, 0}, points, numbers, next_id, with_covariance, scan, nullptr);
+        add(caller, draws, time, {number_, 1, tick, 0}, points, numbers, false, next_id, with_covariance, scan,
+            nullptr);
     }
 
     /// The waveform in force is told with the scan.
@@ -178,6 +193,10 @@ private:
             if (probability < 1 && draws.uniform(PLR_STREAM_DETECTION, place, p) >= probability) continue;
             numbers.push_back(p);
             const std::size_t base = out.size();
+            if (object.recorded) {
+                out.insert(out.end(), object.measured, object.measured + cartesian_.size());
+                continue;
+            }
             for (const auto& component : cartesian_.components())
                 out.push_back(object.state[target.space().index(component.name)]);
             if (values.points_per_scan == 0) continue;
@@ -213,10 +232,12 @@ private:
         return out;
     }
 
-    /// Measures points of one object and appends them: all in one call, noise = chol(R) times unit normals.
+    /// Measures points of one object and appends them: all in one call, noise = chol(R) times unit normals; none where the points
+    /// are `measured` already.
     void add(pelorus::Caller& caller, const Draws& draws, std::int64_t time, const Place& place,
-             const std::vector<double>& points, const std::vector<std::size_t>& numbers, std::uint64_t& next_id,
-             bool with_covariance, pelorus::ScanBuilder& scan, std::vector<std::uint64_t>* origins) const {
+             const std::vector<double>& points, const std::vector<std::size_t>& numbers, bool measured,
+             std::uint64_t& next_id, bool with_covariance, pelorus::ScanBuilder& scan,
+             std::vector<std::uint64_t>* origins) const {
         if (numbers.empty()) return;
         const std::int64_t m = measurement_.size(), c = cartesian_.size(),
                            n = static_cast<std::int64_t>(numbers.size());
@@ -233,15 +254,16 @@ private:
         spread.out = pelorus::view(noise.data(), m, m, n);
         caller.require(part_.call(&plr_sensor::noise, caller.begin(time, n), spread), "sensor " + name() + ", noise");
         const auto size = static_cast<std::size_t>(m);
-        for (std::size_t k = 0; k < numbers.size(); ++k) {
-            const double* covariance = noise.data() + k * size * size;
-            double* value = exact.data() + k * size;
+        for (std::size_t k = 0; k < numbers.size() && !measured; ++k) {
             const std::vector<double> unit = values_.shared_error
                                                  ? draws.normals(PLR_STREAM_NOISE, {number_, 0, place.tick, 0}, 0, size)
                                                  : draws.normals(PLR_STREAM_NOISE, place, numbers[k] * size, size);
-            disturb(value, covariance, unit);
+            disturb(exact.data() + k * size, noise.data() + k * size * size, unit);
+        }
+        if (conversion_) conversion_->convert(caller, time, exact, noise, n);
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
             if (origins != nullptr) origins->push_back(next_id);
-            scan.add(next_id++, value, with_covariance ? covariance : nullptr);
+            scan.add(next_id++, exact.data() + k * size, with_covariance ? noise.data() + k * size * size : nullptr);
         }
     }
 
@@ -261,6 +283,7 @@ private:
     pelorus::SensorPart part_;
     SensorValues values_;
     pelorus::Space measurement_, cartesian_, waveform_{std::vector<pelorus::Component>{}};
+    std::optional<Conversion> conversion_;
     std::uint64_t number_;
     std::vector<int> axis_components_;  ///< where position.x, y, z stand among what it looks at, or -1
     std::vector<std::size_t> box_components_;

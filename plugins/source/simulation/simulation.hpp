@@ -1,6 +1,7 @@
 /// source.simulation: trajectories seen by sensor models. See README.md.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,11 @@ public:
         plugin.parameter("covariances", &Simulation::covariances_)
             .initially("true")
             .doc("tell the measurements' covariances in the scans; else trackers take those of their sensor models");
+        plugin.parameter("recording", &Simulation::recording_file_)
+            .doc(
+                "NAME_meas.csv of rows k,i,x,y,z (tick, object, m), played in the place of measurements that are "
+                "drawn, "
+                "with the true positions in NAME_truth.csv beside it");
         describe_targets(plugin);
         describe_sensors(plugin);
     }
@@ -65,11 +71,11 @@ public:
         }
         caller_.setup(setup, static_cast<std::size_t>(scratch) + 4096);
         make_clocks();
+        if (recording_file_) read_recording(next_object - 1);
         make_truth_space();
         frame_ = setup.frame();
         truth_ = std::make_unique<pelorus::TruthBuilder>(frame_, space_, extent_dimension_);
-        for (const SimulatedSensor& sensor : sensors_)
-            builders_.emplace_back(sensor.name(), frame_, sensor.measurement());
+        for (const SimulatedSensor& sensor : sensors_) builders_.emplace_back(sensor.name(), frame_, sensor.told());
         for (Target& target : targets_) target.realise(caller_, draws_);
     }
 
@@ -77,7 +83,7 @@ public:
         std::vector<pelorus::Stream> streams;
         if (port == truth_port) return {{"", false, space_, false, frame_, false, false}};
         for (const SimulatedSensor& sensor : sensors_)
-            streams.push_back({sensor.name(), false, sensor.measurement(), false, frame_, false, false});
+            streams.push_back({sensor.name(), false, sensor.told(), false, frame_, false, false});
         return streams;
     }
 
@@ -106,7 +112,10 @@ public:
         std::vector<std::vector<Object>> objects(targets_.size());
         std::vector<std::vector<std::vector<std::uint64_t>>> origins(targets_.size());
         for (std::size_t t = 0; t < targets_.size(); ++t) {
-            targets_[t].collect(static_cast<std::int64_t>(event_ % block), objects[t]);
+            if (recording_)
+                targets_[t].collect(*recording_, event_, objects[t]);
+            else
+                targets_[t].collect(static_cast<std::int64_t>(event_ % block), objects[t]);
             origins[t].resize(objects[t].size());
         }
         std::vector<std::size_t> due;
@@ -121,6 +130,13 @@ public:
         archive(event_, ticks_, next_id_, caller_);
         for (Target& target : targets_) target.state(archive);
         for (SimulatedSensor& sensor : sensors_) sensor.state(archive);
+        if (recording_) {
+            std::uint64_t digest = recording_->digest();
+            archive(digest);
+            if (digest != recording_->digest())
+                throw pelorus::DataError("the recording " + recording_file_->string() +
+                                         " has changed since the state was saved");
+        }
         if constexpr (Archive::reading) {
             if (ticks_.size() != sensors_.size()) throw pelorus::DataError("saved state is of another simulation");
             block_loaded_ = no_block;
@@ -180,6 +196,11 @@ private:
         plugin.slot_parameter("shared_error", &SensorValues::shared_error)
             .initially("false")
             .doc("one error a scan that all its points share, instead of one a point; scans tell the same covariances");
+        plugin.slot_parameter("converted", &SensorValues::converted)
+            .initially("false")
+            .doc(
+                "scans tell positions: measurements converted without a correction for the bend of angles, covariances "
+                "A R A' with A = d position / d measurement there");
     }
 
     void make_clocks() {
@@ -198,6 +219,23 @@ private:
         events_.times(ticks_, block, times_);
     }
 
+    /// The recording takes the place of one sensor's draws and of where the objects of the targets are, not of who they are.
+    void read_recording(std::uint64_t objects) {
+        if (sensors_.size() != 1)
+            throw pelorus::PartError("sensors",
+                                     "a recording is of one sensor, here are " + std::to_string(sensors_.size()));
+        sensors_.front().check_recordable();
+        for (const Target& target : targets_)
+            if (target.axes() != 3 || target.values().points_per_scan > 0)
+                throw pelorus::PartError("targets", "target " + target.name() +
+                                                        " is not one point on three axes, which a recording tells of");
+        recording_.emplace(*recording_file_, objects);
+        if (Clock(period_).time(recording_->ticks()) <= events_.end())
+            throw pelorus::ParameterError(
+                scans_ ? "scans" : "duration",
+                "goes beyond the recording, whose last tick is k = " + std::to_string(recording_->ticks() - 1));
+    }
+
     bool has_ended() const noexcept { return event_ % block >= times_.size(); }
 
     /// The components that all targets have, in the first one's order.
@@ -206,7 +244,8 @@ private:
         for (const auto& component : targets_.front().space().components()) {
             bool everywhere = true;
             for (const Target& target : targets_) everywhere = everywhere && target.space().index(component.name) >= 0;
-            if (everywhere) common.push_back(component);
+            const bool told = !recording_ || component.name.rfind("position.", 0) == 0;
+            if (everywhere && told) common.push_back(component);
         }
         space_ = pelorus::Space(common);
         for (const Target& target : targets_) {
@@ -275,11 +314,13 @@ private:
     std::optional<double> duration_;
     std::int64_t first_scan_ = 0;
     bool covariances_ = true;
+    std::optional<std::filesystem::path> recording_file_;
 
     Draws draws_;
     pelorus::Caller caller_;
     std::vector<Target> targets_;
     std::vector<SimulatedSensor> sensors_;
+    std::optional<Recording> recording_;
     Events events_;
     std::vector<std::int64_t> times_;  ///< of the events of this block
     pelorus::Space space_;

@@ -11,6 +11,7 @@
 #include <pelorus/parts.hpp>
 
 #include "draws.hpp"
+#include "recording.hpp"
 
 namespace simulation {
 
@@ -30,6 +31,8 @@ struct Object {
     std::uint64_t id = 0, index = 0;  ///< over all targets; within its target
     std::uint64_t parent = 0;         ///< id; its own: none
     std::int64_t birth = 0;           ///< ns
+    bool recorded = false;            ///< `state` is a recorded position, `measured` where it was measured, or nullptr
+    const double* measured = nullptr;
 };
 
 class Target {
@@ -97,16 +100,21 @@ public:
         for (std::int64_t k = 0; k < objects(); ++k) {
             const double* state = states_.data() + (k * block_times_ + t) * c;
             if (!std::all_of(state, state + c, [](double x) { return std::isfinite(x); })) continue;
-            const auto index = static_cast<std::size_t>(k);
-            Object object;
+            Object object = member(k);
             object.state = state;
             object.extent = d == 0 ? nullptr : extents_.data() + (k * block_times_ + t) * d * d;
-            object.index = ids_[index];
-            object.id = first_id_ + ids_[index];
-            object.parent =
-                parents_[index] < 0 ? object.id : first_id_ + ids_[static_cast<std::size_t>(parents_[index])];
-            object.birth = births_[index];
             out.push_back(object);
+        }
+    }
+    /// The objects that a recording has at a tick, where it says that they are.
+    void collect(const Recording& recording, std::uint64_t tick, std::vector<Object>& out) const {
+        for (std::int64_t k = 0; k < objects(); ++k) {
+            Object object = member(k);
+            const std::uint64_t number = first_id_ - 1 + static_cast<std::uint64_t>(k);
+            object.recorded = true;
+            object.state = recording.truth(tick, number);
+            object.measured = recording.measured(tick, number);
+            if (object.state != nullptr) out.push_back(object);
         }
     }
 
@@ -118,6 +126,17 @@ public:
     }
 
 private:
+    /// Who object k is.
+    Object member(std::int64_t k) const {
+        const auto index = static_cast<std::size_t>(k);
+        Object object;
+        object.index = ids_[index];
+        object.id = first_id_ + ids_[index];
+        object.parent = parents_[index] < 0 ? object.id : first_id_ + ids_[static_cast<std::size_t>(parents_[index])];
+        object.birth = births_[index];
+        return object;
+    }
+
     pelorus::TrajectoryPart part_;
     TargetValues values_;
     pelorus::Space space_;

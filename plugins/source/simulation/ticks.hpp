@@ -50,6 +50,8 @@ public:
         }
     }
 
+    /// Time of the last event, or after it (ns).
+    std::int64_t end() const noexcept { return end_; }
     Position first() const { return Position(clocks_.size(), 0); }
     bool is_due(std::size_t clock, const Position& at, std::int64_t time) const noexcept {
         return clocks_[clock].time(at[clock]) == time;

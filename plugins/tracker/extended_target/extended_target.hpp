@@ -9,11 +9,13 @@
 #include <pelorus/innovations.hpp>
 #include <pelorus/stage.hpp>
 
-#include "joint_filter.hpp"
-#include "separate_filter.hpp"
+#include "../../common/extended/joint_filter.hpp"
+#include "../../common/extended/separate_filter.hpp"
 #include "shared_error_filter.hpp"
 
 namespace extended_target {
+
+using namespace extended;
 
 class ExtendedTarget : public pelorus::Stage<ExtendedTarget> {
 public:
@@ -153,19 +155,8 @@ private:
     // ------------------------------------------------------------------------------------------------- scans
 
     Points points_of(std::int64_t time, const plr_scan& scan) {
-        const auto& sensors = filter_->sensors();
-        std::size_t index = 0;
-        while (index < sensors.size() && sensors[index].part().name() != scan.sensor) ++index;
-        if (index == sensors.size())
-            throw pelorus::DataError("there is no sensor " + std::string(scan.sensor) + " in the slot `sensors`");
-        if (scan.times != nullptr)
-            for (std::int64_t k = 0; k < scan.measurements.count; ++k)
-                if (scan.times[k] != time)
-                    throw pelorus::DataError(
-                        "measurements of one scan have times of their own; this tracker takes them as of one time");
         std::int64_t refused = 0;
-        Points points = sensors[index].convert(caller_, time, scan, refused);
-        points.sensor = index;
+        Points points = filter_->points_of(caller_, time, scan, refused);
         if (refused > 0) count("points_not_converted", refused);
         return points;
     }
@@ -368,10 +359,7 @@ private:
         if (track_ && (track_->records.kinematics.size() != filter_->kinematics_size() ||
                        track_->records.extent.size() != filter_->extent_size()))
             throw pelorus::DataError("saved records are of another size");
-        if (pending_ &&
-            (pending_->dimension != filter_->dimension() || pending_->sensor >= filter_->sensors().size() ||
-             pending_->positions.size() != pending_->ids.size() * static_cast<std::size_t>(pending_->dimension) ||
-             pending_->noise.size() != pending_->positions.size() * static_cast<std::size_t>(pending_->dimension)))
+        if (pending_ && !pending_->is_of(filter_->dimension(), filter_->sensors().size()))
             throw pelorus::DataError("a saved scan is of another size");
     }
 

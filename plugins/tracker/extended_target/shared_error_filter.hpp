@@ -5,9 +5,11 @@
 #include <limits>
 #include <vector>
 
-#include "separate_filter.hpp"
+#include "../../common/extended/separate_filter.hpp"
 
 namespace extended_target {
+
+using namespace extended;
 
 /// Each hypothesis takes a share s of the sensor's noise R to be one error of all points of a scan: a point then has (1 - s) R of
 /// its own, and the centroid keeps s R however many points there are. The likelihood of the centroids tells which is right.

@@ -101,6 +101,8 @@ public:
             cartesian_ = derived().cartesian_space();
             expect_size(cartesian_, C, "cartesian_space()");
         }
+        for (const Component& component : (Derived::cartesian ? space_ : cartesian_).components())
+            axes_ += component.name.rfind("position.", 0) == 0;
         info_ = {sizeof(plr_motion_info),
                  Derived::flags,
                  space_.c(),
@@ -187,13 +189,16 @@ private:
                 expect(args->covariance, N, N, count, "covariance");
                 expect(args->predicted, N, 1, count, "predicted");
             }
+            if constexpr ((Derived::flags & PLR_MOTION_USES_EXTENT) != 0) {
+                const std::int64_t axes = base_of(self).axes_;
+                if (args->extent.data == nullptr && count > 0) throw ArgumentError("extent: this motion needs one");
+                expect(args->extent, axes, axes, count, "extent");
+            }
             expect(args->out, N, N, count, "out");
             return for_items(*call, count, [&](std::int64_t i) {
                 Posterior posterior = detail::posterior_of<Derived>(*args, i);
-                if constexpr ((Derived::flags & PLR_MOTION_USES_EXTENT) != 0) {
-                    if (args->extent.data == nullptr) throw ArgumentError("extent: this motion needs one");
+                if constexpr ((Derived::flags & PLR_MOTION_USES_EXTENT) != 0)
                     posterior.extent = args->extent.data + i * args->extent.item_stride;
-                }
                 const Step s = step(*call, args->dt, args->record, i);
                 store<N, N>(args->out, i, self_of(self).noise(posterior, s));
             });
@@ -278,6 +283,7 @@ private:
 
     InputTable inputs_;
     Space space_, cartesian_;
+    std::int64_t axes_ = 0;  ///< d of an extent: Cartesian positions
     plr_motion_info info_{};
 };
 

@@ -1,4 +1,5 @@
-/// Free flight under gravity and drag, integrated by the classical Runge-Kutta method of fourth order, with its Jacobian.
+/// Free flight under gravity and drag, and manoeuvres about it, integrated by the classical Runge-Kutta method of fourth order, with its
+/// Jacobian.
 #pragma once
 
 #include "air.hpp"
@@ -17,10 +18,17 @@ struct Flight {
     double air_density = 0.0;     ///< kg/m3, at height 0
     double scale_height = 1.0;    ///< m
     double maximum_step = 1.0;    ///< s
+    double maneuver_rate = 0.0;   ///< 1/s, at which an acceleration beyond these forces fades
 
     static constexpr std::int64_t most_steps = 100000;
 
-    /// N = 6: position and velocity; N = 7: and the logarithm of the drag parameter over `drag_parameter`.
+    /// By all forces, at a position and a velocity (m/s2). Throws NumericError where drag would take the whole speed within a step h.
+    Vector<3> acceleration(const Vector<3>& position, const Vector<3>& velocity, double h) const {
+        return acceleration(position, velocity, drag_parameter, h);
+    }
+
+    /// N = 6: position and velocity; N = 7: and the logarithm of the drag parameter over `drag_parameter`; N = 9: and an acceleration
+    /// beyond the forces.
     template <int N> Vector<N> propagate(const Vector<N>& x, double dt) const {
         const std::int64_t steps = steps_for(dt);
         const double h = steps == 0 ? 0.0 : dt / static_cast<double>(steps);
@@ -58,7 +66,9 @@ private:
     };
 
     std::int64_t steps_for(double dt) const {
-        const double wanted = std::ceil(std::fabs(dt) / maximum_step);
+        // At a twentieth of a time constant a step, what is left of a manoeuvre is off by 5e-8 a time constant.
+        const double longest = maneuver_rate * maximum_step > 0.05 ? 0.05 / maneuver_rate : maximum_step;
+        const double wanted = std::ceil(std::fabs(dt) / longest);
         if (!(wanted <= static_cast<double>(most_steps)))
             throw pelorus::NumericError("dt is more than " + std::to_string(most_steps) +
                                         " times maximum_step: make maximum_step longer");
@@ -68,7 +78,7 @@ private:
         return flat ? Height{position(2), Vector<3>::UnitZ()} : height_of(earth, position);
     }
     template <int N> double drag_of(const Vector<N>& x) const {
-        if constexpr (N > 6) return drag_parameter * std::exp(x(6));
+        if constexpr (N == 7) return drag_parameter * std::exp(x(6));
         return drag_parameter;
     }
     /// The method is not stable, nor anything like the motion, where drag would take the whole speed within a step.
@@ -77,18 +87,23 @@ private:
             throw pelorus::NumericError("drag would take the whole speed within maximum_step: make it shorter");
     }
 
+    Vector<3> acceleration(const Vector<3>& position, const Vector<3>& velocity, double drag_now, double h) const {
+        const Vector<3> a = earth.acceleration(position, velocity);
+        if (!(drag_parameter > 0.0)) return a;
+        const Density density = density_at(height(position).value, air_density, scale_height);
+        const Vector<3> d = drag(density.value, drag_now, velocity);
+        check_drag(d, velocity, h);
+        return a + d;
+    }
+
     template <int N> Vector<N> rate(const Vector<N>& x, double h) const {
-        const Vector<3> position = x.template head<3>(), velocity = x.template segment<3>(3);
         Vector<N> out = Vector<N>::Zero();
-        out.template head<3>() = velocity;
-        Vector<3> a = earth.acceleration(position, velocity);
-        if (drag_parameter > 0.0) {
-            const Density density = density_at(height(position).value, air_density, scale_height);
-            const Vector<3> d = drag(density.value, drag_of(x), velocity);
-            check_drag(d, velocity, h);
-            a += d;
+        out.template head<3>() = x.template segment<3>(3);
+        out.template segment<3>(3) = acceleration(x.template head<3>(), x.template segment<3>(3), drag_of(x), h);
+        if constexpr (N == 9) {
+            out.template segment<3>(3) += x.template tail<3>();
+            out.template tail<3>() = -maneuver_rate * x.template tail<3>();
         }
-        out.template segment<3>(3) = a;
         return out;
     }
     template <int N> Variation<N> rate(const Variation<N>& at, double h) const {
@@ -108,11 +123,17 @@ private:
         Variation<N> out{Vector<N>::Zero(), Matrix<N>::Zero()};
         out.state.template head<3>() = velocity;
         out.state.template segment<3>(3) = a.value;
+        if constexpr (N == 9) {
+            out.state.template segment<3>(3) += at.state.template tail<3>();
+            out.state.template tail<3>() = -maneuver_rate * at.state.template tail<3>();
+            out.matrix.template bottomRows<3>() = -maneuver_rate * at.matrix.template bottomRows<3>();
+        }
         for (int c = 0; c < N; ++c) {
             const Vector<3> dp = at.matrix.template block<3, 1>(0, c), dv = at.matrix.template block<3, 1>(3, c);
             out.matrix.template block<3, 1>(0, c) = dv;
             Vector<3> da = a.by_position * dp + a.by_velocity * dv;
-            if constexpr (N > 6) da += d * at.matrix(6, c);
+            if constexpr (N == 7) da += d * at.matrix(6, c);
+            if constexpr (N == 9) da += at.matrix.template block<3, 1>(6, c);
             out.matrix.template block<3, 1>(3, c) = da;
         }
         return out;
