@@ -113,7 +113,7 @@ void TrackThenGroupTracker::setup(const pelorus::Setup& setup) {
 
 std::vector<pelorus::Stream> TrackThenGroupTracker::in_streams(std::uint32_t) const {
     pelorus::Stream stream;
-    stream.space = pelorus::position_space(1);
+    stream.space = needs_velocity() ? pelorus::kinematic_space(1, {0.0, 0.0}) : pelorus::position_space(1);
     stream.frame = frame_;
     stream.at_least = true;
     return {stream};
@@ -121,7 +121,7 @@ std::vector<pelorus::Stream> TrackThenGroupTracker::in_streams(std::uint32_t) co
 
 void TrackThenGroupTracker::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
     const Layout layout = layout_of(*tracks.space);
-    if ((velocity_threshold_ || minimum_speed_) && layout.velocity.empty())
+    if (needs_velocity() && layout.velocity.empty())
         throw pelorus::DataError("tracks tell no velocity, which velocity_threshold and minimum_speed ask for");
     const auto size = static_cast<std::size_t>(tracks.space->size);
     if (!held_.empty() && held_.begin()->second.mean.size() != size)
