@@ -33,13 +33,17 @@ inline pelorus::Vector<3> seen(const pelorus::Vector<3>& p, Angle angle) {
     return z;
 }
 
+/// Throws the NumericError of a point where azimuth has no derivative.
+[[noreturn]] inline void refuse_slope(bool at_sensor) {
+    throw pelorus::NumericError(at_sensor
+                                    ? "the object is at the sensor's own position, where angles have no derivative"
+                                    : "the object is on the sensor's vertical axis, where azimuth has no derivative");
+}
+
 /// d seen / d p. Throws NumericError where azimuth has no derivative.
 inline pelorus::Matrix<3> slope(const pelorus::Vector<3>& p, Angle angle) {
     pelorus::Matrix<3> out;
-    if (!spherical::jacobian(p, out))
-        throw pelorus::NumericError(
-            p.isZero(0.0) ? "the object is at the sensor's own position, where angles have no derivative"
-                          : "the object is on the sensor's vertical axis, where azimuth has no derivative");
+    if (!spherical::jacobian(p, out)) refuse_slope(p.isZero(0.0));
     if (angle == Angle::zenith) out.row(2) = -out.row(2);
     return out;
 }

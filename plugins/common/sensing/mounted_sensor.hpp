@@ -94,9 +94,7 @@ struct MountedSensor : pelorus::Sensor<Derived, M, Rates ? 2 * D : D, D>, MountP
         return out;
     }
 
-private:
-    enum Input : std::size_t { bias_input, position_input, attitude_input, velocity_input };
-
+protected:
     Pose<D> pose(const Look& look) const {
         return mount_.pose(this->input(look, position_input), this->input(look, attitude_input),
                            Rates ? this->input(look, velocity_input) : nullptr);
@@ -104,6 +102,10 @@ private:
     Measurement bias(const Look& look) const {
         return Eigen::Map<const Measurement>(this->input(look, bias_input) + Derived::bias_offset);
     }
+
+private:
+    enum Input : std::size_t { bias_input, position_input, attitude_input, velocity_input };
+
     static Cartesian along_axes(const Cartesian& x, const Pose<D>& at) {
         Cartesian out;
         const Vector<D> from_sensor = x.template head<D>() - at.position;

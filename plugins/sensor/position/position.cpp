@@ -1,8 +1,10 @@
 // sensor.position: measures Cartesian coordinates and, where it can, velocity. See README.md.
+#include "../../common/batches/batches.hpp"
 #include "../../common/sensing/variants.hpp"
 
 #include <optional>
 
+#include <pelorus/batch_model.hpp>
 #include <pelorus/per_axis.hpp>
 #include <pelorus/sensor.hpp>
 
@@ -86,7 +88,45 @@ struct Position : pelorus::Sensor<Position<D, Velocity>, Velocity ? 2 * D : D, V
     Noise noise(const Query&, const Look&) const { return variance_.asDiagonal(); }
     Inverse invert(const Measurement& z, const Noise& noise, const Look&) const { return {z + position_, noise}; }
 
+    // Whole batches of what is asked for at every step: differences.
+    static const plr_sensor& table() noexcept {
+        static const plr_sensor own = [] {
+            plr_sensor t = Base::table();
+            t.measure = &pelorus::detail::forward<Position, plr_sensor_measure, &Position::measure_batch>;
+            t.residual = &pelorus::detail::forward<Position, plr_sensor_residual, &Position::residual_batch>;
+            return t;
+        }();
+        return own;
+    }
+    plr_status measure_batch(const plr_call& call, const plr_sensor_measure& args) const {
+        const plr_const_view here{position_.data(), size, 1, args.out.count, 1, size, 0};
+        return subtract(call, args.cartesian, here, args.out, "cartesian");
+    }
+    plr_status residual_batch(const plr_call& call, const plr_sensor_residual& args) const {
+        return subtract(call, args.measurement, args.reference, args.out, "measurement");
+    }
+
 private:
+    static constexpr int size = Base::measurement_size;
+
+    /// out = from - what, of which there may be one column for all points.
+    static plr_status subtract(const plr_call& call, const plr_const_view& from, const plr_const_view& what,
+                               const plr_view& out, const char* name) {
+        const std::int64_t count = out.count, points = out.cols, step = what.cols == 1 ? 0 : size;
+        batches::expect_packed(from, size, points, count, name);
+        batches::expect_packed(what, size, what.cols == 1 ? 1 : points, count, "reference");
+        batches::expect_packed(out, size, points, count, "out");
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
+            const double *const a = batches::at(from, i), *const b = batches::at(what, i);
+            for (std::int64_t p = 0; p < points; ++p) {
+                double difference[size];
+                for (int r = 0; r < size; ++r) difference[r] = a[p * size + r] - b[p * step + r];
+                if (!batches::all_finite(difference, size)) throw pelorus::NumericError("a result is not finite");
+                std::copy_n(difference, size, batches::at(out, i) + p * size);
+            }
+        });
+    }
+
     static pelorus::Space space() { return pelorus::kinematic_space(D, std::vector<double>(Velocity ? 2u : 1u, 0.0)); }
 
     Measurement variance_;

@@ -1,11 +1,46 @@
 // sensor.spherical: measures range and two angles from where and how it is mounted. See README.md.
+#include "../../common/batches/batches.hpp"
 #include "../../common/sensing/angles.hpp"
 #include "../../common/sensing/mounted_sensor.hpp"
+#include "spherical_kernels.hpp"
+
+#include <array>
+
+#include <pelorus/batch_model.hpp>
 
 namespace {
 
+using batches::at;
 using sensing::Angle;
+using spherical_kernels::Fault;
+using spherical_kernels::Kernels;
+using spherical_kernels::Mounting;
+using spherical_kernels::TriplesIn;
+using spherical_kernels::TriplesOut;
 
+TriplesIn triples(const plr_const_view& view, std::int64_t first = 0, bool one_point = false) noexcept {
+    return {at(view, first), view.item_stride, one_point ? 0 : view.col_stride};
+}
+TriplesOut triples(const plr_view& view, std::int64_t first = 0) noexcept {
+    return {at(view, first), view.item_stride, view.col_stride};
+}
+
+/// So many items are worked out before any is judged.
+constexpr std::int64_t block = 64;
+using Faults = std::array<Fault, block>;
+
+/// Throws what a fault means.
+void require(Fault fault) {
+    if (fault == Fault::none) return;
+    if (fault == Fault::not_finite) throw pelorus::NumericError("a result is not finite");
+    sensing::refuse_slope(fault == Fault::at_sensor);
+}
+
+plr_status settled(const plr_call& call, std::int64_t items, const Faults& faults) {
+    return pelorus::for_items(call, items, [&](std::int64_t i) { require(faults[static_cast<std::size_t>(i)]); });
+}
+
+/// Whole batches are worked out over lanes: measure, jacobian and residual of the table are those here.
 struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
     static constexpr std::uint32_t flags = sensing::mounted_flags | PLR_SENSOR_CAN_INVERT;
 
@@ -17,13 +52,118 @@ struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
         return pelorus::Space(
             {sensing::range_component(), sensing::azimuth_component(), sensing::angle_component(angle)});
     }
-    Measurement seen(const Cartesian& local) const { return sensing::seen(local, angle); }
-    Jacobian slope(const Cartesian& local) const { return sensing::slope(local, angle); }
+    // One point, as the author layer asks for it.
+    Measurement measure(const Cartesian& x, const Look& look) const;
+    Jacobian jacobian(const Cartesian& x, const Look& look) const;
     Inverse converted(const Measurement& z, const Noise& noise) const {
         const spherical::Converted point = sensing::unbiased(z, noise, angle);
         return {point.mean, point.covariance};
     }
+
+    static const plr_sensor& table() noexcept;
+    plr_status measure_batch(const plr_call& call, const plr_sensor_measure& args) const;
+    plr_status jacobian_batch(const plr_call& call, const plr_sensor_jacobian& args) const;
+    plr_status residual_batch(const plr_call& call, const plr_sensor_residual& args) const;
+
+private:
+    Mounting mounting(const pelorus::Look& look) const;
+    /// Calls body(first item, items, how the sensor stands) for all items at once, or, where each has inputs of its own, for one
+    /// after the other.
+    template <class Body> void for_mountings(const plr_call& call, std::int64_t count, Body&& body) const;
+
+    lanes::ByItems<const Kernels*> kernels_{&spherical_kernels::kernels(lanes::InstructionSet::baseline),
+                                            &spherical_kernels::kernels(lanes::best_instruction_set())};
 };
+
+const plr_sensor& Spherical::table() noexcept {
+    static const plr_sensor own = [] {
+        plr_sensor t = Base::table();
+        t.measure = &pelorus::detail::forward<Spherical, plr_sensor_measure, &Spherical::measure_batch>;
+        t.jacobian = &pelorus::detail::forward<Spherical, plr_sensor_jacobian, &Spherical::jacobian_batch>;
+        t.residual = &pelorus::detail::forward<Spherical, plr_sensor_residual, &Spherical::residual_batch>;
+        return t;
+    }();
+    return own;
+}
+
+Mounting Spherical::mounting(const pelorus::Look& look) const {
+    const auto here = pose(look);
+    const Measurement off = bias(look);
+    Mounting out{};
+    std::copy_n(here.rotation.data(), 9, out.rotation);
+    std::copy_n(here.position.data(), 3, out.position);
+    std::copy_n(off.data(), 3, out.bias);
+    out.is_zenith = angle == Angle::zenith;
+    return out;
+}
+
+Spherical::Measurement Spherical::measure(const Cartesian& x, const Look& look) const {
+    Measurement out;
+    Fault fault = Fault::none;
+    kernels_.few->measure(mounting(look), 1, 1, {x.data(), 0, 0}, {out.data(), 0, 0}, &fault);
+    require(fault);
+    return out;
+}
+
+Spherical::Jacobian Spherical::jacobian(const Cartesian& x, const Look& look) const {
+    Jacobian out;
+    Fault fault = Fault::none;
+    kernels_.few->differentiate(mounting(look), 1, {x.data(), 0, 0}, {out.data(), 0, 0}, &fault);
+    require(fault);
+    return out;
+}
+
+template <class Body> void Spherical::for_mountings(const plr_call& call, std::int64_t count, Body&& body) const {
+    const std::int64_t together = call.input_stride == 0 || call.inputs == nullptr ? count : 1;
+    for (std::int64_t first = 0; first < count; first += together)
+        body(first, together, mounting(pelorus::Look{&call, first}));
+}
+
+plr_status Spherical::measure_batch(const plr_call& call, const plr_sensor_measure& args) const {
+    const std::int64_t points = args.out.cols;
+    batches::expect_packed(args.cartesian, 3, points, args.out.count, "cartesian");
+    batches::expect_packed(args.out, 3, points, args.out.count, "out");
+    const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
+        Faults faults{};
+        for_mountings(here, items, [&](std::int64_t from, std::int64_t some, const Mounting& mounted) {
+            kernels_(some * points)
+                ->measure(mounted, some, points, triples(args.cartesian, first + from), triples(args.out, first + from),
+                          faults.data() + from);
+        });
+        return settled(here, items, faults);
+    };
+    return batches::in_blocks(call, args.out.count, body, block);
+}
+
+plr_status Spherical::jacobian_batch(const plr_call& call, const plr_sensor_jacobian& args) const {
+    batches::expect_packed(args.cartesian, 3, 1, args.out.count, "cartesian");
+    batches::expect_packed(args.out, 3, 3, args.out.count, "out");
+    const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
+        Faults faults{};
+        for_mountings(here, items, [&](std::int64_t from, std::int64_t some, const Mounting& mounted) {
+            kernels_(some)->differentiate(mounted, some, triples(args.cartesian, first + from),
+                                          triples(args.out, first + from), faults.data() + from);
+        });
+        return settled(here, items, faults);
+    };
+    return batches::in_blocks(call, args.out.count, body, block);
+}
+
+plr_status Spherical::residual_batch(const plr_call& call, const plr_sensor_residual& args) const {
+    const std::int64_t count = args.out.count, points = args.out.cols;
+    const bool one_reference = args.reference.cols == 1;
+    batches::expect_packed(args.measurement, 3, points, count, "measurement");
+    batches::expect_packed(args.reference, 3, one_reference ? 1 : points, count, "reference");
+    batches::expect_packed(args.out, 3, points, count, "out");
+    const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
+        Faults faults{};
+        kernels_(items * points)
+            ->subtract(items, points, triples(args.measurement, first), triples(args.reference, first, one_reference),
+                       triples(args.out, first), faults.data());
+        return settled(here, items, faults);
+    };
+    return batches::in_blocks(call, count, body, block);
+}
 
 void Spherical::describe(pelorus::Describe<Spherical>& plugin) {
     plugin.title("Range, azimuth and elevation or zenith")
