@@ -1,51 +1,30 @@
 // Prediction by factors.
 #include "factor_filter.hpp"
 
-#include "factors.hpp"
+#include "blocks.hpp"
 
-#include <limits>
+#include <pelorus/small_matrix.hpp>
 
 namespace gaussian {
 
 using pelorus::as_const;
 using pelorus::Scratch;
 using pelorus::slice;
+namespace small = pelorus::small;
 
-namespace {
-
-using Square = small::Bounded<max_state, max_state>;
-
-/// (F1 (x) I) S for d axes.
-void multiply_blocks(int blocks, int axes, const double* f1, const double* s, int n, double* out) noexcept {
-    std::fill_n(out, n * n, 0.0);
-    for (int c = 0; c < n; ++c) {
-        const double* const from = s + c * n;
-        double* const to = out + c * n;
-        for (int k = c / axes; k < blocks; ++k) {  // S is 0 above its diagonal
-            for (int r = 0; r < blocks; ++r) {
-                const double factor = f1[k * blocks + r];
-                for (int axis = 0; axis < axes; ++axis) to[r * axes + axis] += factor * from[k * axes + axis];
-            }
-        }
-    }
+FactorFilter::Blocks::Blocks(double* memory, std::int64_t size) noexcept
+    : transition(memory), noise(memory + size * block_items) {
+    dt.fill(std::numeric_limits<double>::quiet_NaN());  // differs from every dt
+    std::fill_n(memory, 2 * size * block_items, 0.0);
 }
-
-/// A1 (x) I, n x n.
-void expand_blocks(int blocks, int axes, const double* a1, double* out) noexcept {
-    const int n = blocks * axes;
-    std::fill_n(out, n * n, 0.0);
-    for (int c = 0; c < blocks; ++c) {
-        for (int r = 0; r < blocks; ++r) {
-            for (int axis = 0; axis < axes; ++axis) out[(c * axes + axis) * n + r * axes + axis] = a1[c * blocks + r];
-        }
-    }
-}
-
-}  // namespace
 
 void FactorFilter::setup_factors() {
-    predict_ = predict_kernel(form_, static_cast<int>(n_));
-    if (form_ == Form::square_root) noise_factor_ = motion_.extension<plr_motion_noise_factor>(PLR_MOTION_NOISE_FACTOR);
+    const int n = static_cast<int>(n_);
+    state_kernels_ = factor_kernels_by_items([&](const FactorKernels& all) { return all.state(n); });
+    if (structure_ != nullptr)
+        structured_ = factor_kernels_by_items(
+            [&](const FactorKernels& all) { return all.by_blocks(structure_->block, structure_->dimension); });
+    if (is_root()) noise_factor_ = motion_.extension<plr_motion_noise_factor>(PLR_MOTION_NOISE_FACTOR);
 }
 
 /// What a step needs for an item, besides points.
@@ -54,58 +33,51 @@ std::int64_t FactorFilter::step_doubles() const noexcept {
     return n_ + noise + n_ * n_ + motion_record_;
 }
 
-const double* FactorFilter::factor(const double* record, double* memory) const {
-    if (form_ == Form::square_root) return record + n_;
-    Eigen::Map<Square> s(memory, n_, n_);
-    if (!small::cholesky_semidefinite(Eigen::Map<const Square>(record + n_, n_, n_), s))
-        require(Outcome::covariance_indefinite);
-    return memory;
+std::int64_t FactorFilter::linear_doubles() const noexcept {
+    const int n = static_cast<int>(n_);
+    return image_doubles(n, n) + n_ * n_ + step_doubles();
 }
 
-plr_const_view FactorFilter::factors(const plr_call& call, const plr_const_view& records, double* memory) const {
-    if (form_ == Form::square_root) return spread(records);
-    const plr_view out = pelorus::view(memory, n_, n_, records.count);
-    tolerate(for_good_items(call, records.count, [&](std::int64_t i) {
-        Square own = Square::Zero(n_, n_);
-        std::copy_n(own.data(), n_ * n_, at(out, i));
-        std::copy_n(factor(at(records, i), own.data()), n_ * n_, at(out, i));
-    }));
-    return as_const(out);
-}
-
-plr_status FactorFilter::predict_structured(const plr_call& call, const plr_estimator_predict& args) const {
-    const int b = structure_->block, d = structure_->dimension, n = static_cast<int>(n_);
-    double f1[max_state * max_state], q1[max_state * max_state], noise[max_state * max_state];
-    const bool is_root = form_ == Form::square_root;
-    const MotionNoise motion_noise{noise, is_root ? MotionNoise::Kind::triangle : MotionNoise::Kind::covariance, 0};
-    double last_dt = std::numeric_limits<double>::quiet_NaN();  // differs from every dt
-    return pelorus::for_items(call, args.out.count, [&](std::int64_t i) {
-        const double dt = *at(args.dt, i);
-        if (dt != last_dt || call.input_stride != 0) {
-            last_dt = std::numeric_limits<double>::quiet_NaN();
+void FactorFilter::ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const {
+    const int b = structure_->block;
+    tolerate(pelorus::for_items(call, dt.count, [&](std::int64_t i) {
+        const auto lane = static_cast<std::size_t>(i);
+        const double now = *at(dt, i);
+        if (now == blocks.dt[lane] && call.input_stride == 0) return;
+        if (now != blocks.last_dt || call.input_stride != 0) {
+            blocks.last_dt = std::numeric_limits<double>::quiet_NaN();
             const plr_call here = slice(call, i);
             const bool was_told = call.error->code != PLR_OK;
-            const plr_status status = structure_->blocks(motion_.self(), &here, dt, f1, q1);
+            const plr_status status =
+                structure_->blocks(motion_.self(), &here, now, blocks.f1.data(), blocks.q1.data());
             // It speaks of a time step; the caller wants to know of which item.
             if (status != PLR_OK && !was_told && call.error->item < 0) call.error->item = call.item_offset + i;
             pelorus::require(status);
-            Eigen::Map<Square> q(q1, b, b);
-            if (is_root && !small::cholesky_semidefinite(q, q)) require(Outcome::motion_noise_indefinite);
-            expand_blocks(b, d, q1, noise);
-            last_dt = dt;
+            Eigen::Map<small::Bounded<max_state, max_state>> q(blocks.q1.data(), b, b);
+            if (is_root() && !small::cholesky_semidefinite(q, q)) require(Outcome::motion_noise_indefinite);
+            blocks.last_dt = now;
         }
-        double slope[max_state * max_state], own[max_state * max_state], mean[max_state] = {};
-        const double* const record = at(args.record, i);
-        multiply_blocks(b, d, f1, factor(record, own), n, slope);
-        for (int k = 0; k < b; ++k) {
-            for (int r = 0; r < b; ++r) {
-                for (int axis = 0; axis < d; ++axis) mean[r * d + axis] += f1[k * b + r] * record[k * d + axis];
-            }
+        for (int e = 0; e < b * b; ++e) {
+            const double f = blocks.f1[static_cast<std::size_t>(e)];
+            blocks.transition[e * block_items + i] = f;
+            blocks.noise[e * block_items + i] = blocks.q1[static_cast<std::size_t>(e)];
+            if (e % b > e / b && f != 0.0) blocks.upper_triangular = false;
         }
-        if (!all_finite(mean, n)) require(Outcome::not_finite);
-        double* const out = at(args.out, i);
-        require(predict_(n, Image{slope}, motion_noise, out + n));
-        std::copy_n(mean, n, out);
+        blocks.dt[lane] = now;
+    }));
+}
+
+plr_status FactorFilter::predict_structured(const plr_call& call, const plr_estimator_predict& args) const {
+    const std::int64_t size = structure_->block * structure_->block;
+    const Scratch scratch(call, 2 * size * block_items);
+    Blocks blocks(scratch.data(), size);
+    return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
+        ask_for_blocks(block, slice(args.dt, first, items), blocks);
+        Outcomes outcomes = still_good(block, items);
+        structured_(items)({structure_->block, structure_->dimension, static_cast<int>(items), is_root(),
+                            blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
+                            outcomes.data()});
+        return settled(block, items, outcomes);
     });
 }
 
@@ -129,17 +101,18 @@ void FactorFilter::noise_and_record(const plr_call& call, const plr_estimator_pr
     advance(call, args.dt, args.record, covariance, step.record);
 }
 
-MotionNoise FactorFilter::noise_of(const Step& step, std::int64_t i) const noexcept {
-    const double* const data = at(step.noise, step.noise.count == 1 ? 0 : i);
-    if (noise_factor_ == nullptr) return {data, MotionNoise::Kind::covariance, 0};
-    return {data, MotionNoise::Kind::factor, noise_factor_->columns};
-}
-
-void FactorFilter::finish(const Step& step, const Image& image, std::int64_t i, double* out) const {
-    if (!all_finite(at(step.predicted, i), n_)) require(Outcome::not_finite);
-    require(predict_(static_cast<int>(n_), image, noise_of(step, i), out + n_));
-    std::copy_n(at(step.predicted, i), n_, out);
-    std::copy_n(at(step.record, i), motion_record_, out + n_ + n_ * n_);
+plr_status FactorFilter::finish(const plr_call& call, const Step& step, const Image& image, const plr_view& out) const {
+    const std::int64_t items = out.count;
+    const MotionNoise noise{items_of(as_const(step.noise), 0, step.noise.count == 1),
+                            noise_factor_ == nullptr ? MotionNoise::Kind::covariance : MotionNoise::Kind::factor,
+                            noise_factor_ == nullptr ? 0 : noise_factor_->columns};
+    Outcomes outcomes = still_good(call, items);
+    state_kernels_(items).spread({static_cast<int>(n_), static_cast<int>(items), is_root(), image, noise,
+                                  items_of(as_const(step.predicted)), items_of(out), outcomes.data()});
+    return for_good_items(call, items, [&](std::int64_t i) {
+        require(outcomes[static_cast<std::size_t>(i)]);
+        std::copy_n(at(step.record, i), motion_record_, at(out, i) + n_ + n_ * n_);
+    });
 }
 
 plr_estimator_predict FactorFilter::part_of(const plr_estimator_predict& args, std::int64_t first,
@@ -180,19 +153,20 @@ void FactorFilter::linearise(const plr_call& call, const plr_estimator_predict& 
 
 plr_status FactorFilter::predict_linearised(const plr_call& call, const plr_estimator_predict& args) const {
     const bool common = is_common(call, args);
+    const int n = static_cast<int>(n_);
     const Scratch scratch(call, block_size * linear_doubles());
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_estimator_predict part = part_of(args, first, items);
-        const Step told = step(scratch.data() + items * n_ * n_, items, common);
-        const plr_view transition = pelorus::view(scratch.data(), n_, n_, common ? 1 : items);
+        double* const memory = scratch.data() + block_size * image_doubles(n, n);
+        const plr_view transition = pelorus::view(memory, n_, n_, common ? 1 : items);
+        const Step told = step(memory + items * n_ * n_, items, common);
         linearise(block, part, told, transition);
-        return for_good_items(block, items, [&](std::int64_t i) {
-            Square own(n_, n_), slope(n_, n_);
-            const double* const s = factor(at(part.record, i), own.data());
-            small::multiply(Eigen::Map<const Square>(at(transition, common ? 0 : i), n_, n_),
-                            Eigen::Map<const Square>(s, n_, n_), slope);
-            finish(told, Image{slope.data()}, i, at(part.out, i));
-        });
+        Outcomes outcomes = still_good(block, items);
+        state_kernels_(items).slope({n, n, n, static_cast<int>(items), is_root(), items_of(part.record),
+                                     items_of(as_const(transition), 0, common), nullptr, scratch.data(),
+                                     outcomes.data()});
+        tolerate(settled(block, items, outcomes));
+        return finish(block, told, Image{scratch.data(), n, 0, false}, part.out);
     });
 }
 

@@ -2,7 +2,11 @@
 /// the factor of F P F' + Q is the triangle of [F S, G], Q = G G'.
 #pragma once
 
-#include "step_kernels.hpp"
+#include "factor_kernels.hpp"
+#include "filter.hpp"
+
+#include <array>
+#include <limits>
 
 namespace gaussian {
 
@@ -14,19 +18,25 @@ protected:
         plr_view noise;      // n x n or n x g, for each item or one for all
         plr_view record;     // the motion's, advanced
     };
+    /// F1 and Q1 of the items of a block.
+    struct Blocks {
+        explicit Blocks(double* memory, std::int64_t size) noexcept;
+        std::array<double, max_state * max_state> f1, q1;  // of last_dt
+        double last_dt = std::numeric_limits<double>::quiet_NaN();
+        std::array<double, block_items> dt;  // for which each item's are there
+        bool upper_triangular = true;        // all F1 so far
+        double *transition, *noise;          // element e of item i at e * block_items + i
+    };
 
     /// After setup_filter.
     void setup_factors();
     /// Scratch memory of a prediction that calls none of a derived filter's own, in doubles an item.
-    std::int64_t linear_doubles() const noexcept { return step_doubles() + n_ * n_; }
+    std::int64_t linear_doubles() const noexcept;
     std::int64_t step_doubles() const noexcept;
 
-    /// The factor of a record's covariance: its own, or worked out into `memory`, n x n.
-    const double* factor(const double* record, double* memory) const;
-    /// The same for a block of records, into `memory`, n x n an item; 0 where there is none, and the item has failed.
-    plr_const_view factors(const plr_call& call, const plr_const_view& records, double* memory) const;
-
-    /// Of a motion that offers a structure: F1 and Q1 are asked for once where neighbours share the time step.
+    /// Of a motion that offers a structure: F1 and Q1 are asked for once where neighbours share the time step. They are laid out
+    /// for kernels; where records hold factors, Q1 is replaced by its own.
+    void ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const;
     plr_status predict_structured(const plr_call& call, const plr_estimator_predict& args) const;
     /// By F at the mean. F is asked for once, and so is Q, where both are common to a block of items.
     plr_status predict_linearised(const plr_call& call, const plr_estimator_predict& args) const;
@@ -44,13 +54,14 @@ protected:
     Step step(double* memory, std::int64_t items, bool common) const;
     /// What the motion tells of a step once its mean is known. The covariances that it may want follow the step in memory.
     void noise_and_record(const plr_call& call, const plr_estimator_predict& args, const Step& step) const;
-    /// The record of item i after the step.
-    void finish(const Step& step, const Image& image, std::int64_t i, double* out) const;
+    /// The records of a block after the step.
+    plr_status finish(const plr_call& call, const Step& step, const Image& image, const plr_view& out) const;
+    bool is_root() const noexcept { return form_ == Form::square_root; }
+
+    lanes::ByItems<StateKernels> state_kernels_{};
 
 private:
-    MotionNoise noise_of(const Step& step, std::int64_t i) const noexcept;
-
-    PredictSpread predict_ = nullptr;
+    lanes::ByItems<FactorBlockKernel> structured_{};
     const plr_motion_noise_factor* noise_factor_ = nullptr;
 };
 

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "../batches/batches.hpp"
-#include "outcome.hpp"
+#include "items.hpp"
 
 #include <string>
 #include <vector>
@@ -17,8 +17,6 @@
 namespace gaussian {
 
 using namespace batches;
-
-constexpr int max_state = 12, max_measurement = 6;
 
 /// What the record holds beside the mean.
 enum class Form { covariance, square_root };

@@ -1,7 +1,7 @@
 // How a point filter looks at a sensor, and what it learns of a measurement.
 #include "point_filter.hpp"
 
-#include "factors.hpp"
+#include "blocks.hpp"
 
 #include <pelorus/sensor.hpp>
 
@@ -11,28 +11,30 @@ using pelorus::as_const;
 using pelorus::Scratch;
 using pelorus::slice;
 
-/// What a look needs for an item: points, what is seen, slope, downdate, factor; states and their Cartesian components.
+/// What a look needs for a block: factors and images are kept; points, what is seen of them, states and their Cartesian
+/// components; the predicted measurement and the innovation, or the cross-covariance.
 std::int64_t PointFilter::look_doubles(std::size_t index) const noexcept {
     const SensorInSlot& sensor = sensors_[index];
-    const std::int64_t p = lookers_[index].rule.count(), m = sensor.m;
+    const Looker& looker = lookers_[index];
+    const std::int64_t p = looker.rule.count(), m = sensor.m;
     const std::int64_t converted = state_is_cartesian_ ? 0 : (n_ + c_) * p;
-    return (sensor.c + 2 * m) * p + m * n_ + m + n_ * n_ + converted + 2 * m;
+    const std::int64_t kept = n_ * n_ + image_doubles(static_cast<int>(m), static_cast<int>(n_));
+    return kept_items(looker.items) * kept +
+           looker.items * ((sensor.c + 2 * m) * p + converted + std::max(2 * m, n_ * m));
 }
 
 PointFilter::Seen PointFilter::see_points(const plr_call& call, std::size_t index, const plr_const_view& records,
-                                          const plr_const_view& factors, double* memory) const {
+                                          double* factors, double* memory) const {
     const SensorInSlot& sensor = sensors_[index];
-    const PointRule& rule = lookers_[index].rule;
-    const std::int64_t items = records.count, p = rule.count(), c = sensor.c;
+    const Looker& looker = lookers_[index];
+    const std::int64_t items = records.count, p = looker.rule.count(), c = sensor.c;
     Seen seen{pelorus::view(memory, c, p, items), {}};
     if (state_is_cartesian_) {
-        for (std::int64_t i = 0; i < items; ++i)
-            place_points(rule, at(records, i), at(factors, i), n_, sensor.index, at(seen.points, i));
+        place(call, looker.rule, looker.rows, records, factors, seen.points);
         return seen;
     }
     const plr_view states = pelorus::view(memory + items * c * p, n_, p, items);
-    for (std::int64_t i = 0; i < items; ++i)
-        place_points(rule, at(records, i), at(factors, i), n_, all_rows_, at(states, i));
+    place(call, looker.rule, looker.rows, records, factors, states);
     auto convert = pelorus::arguments<plr_motion_convert>();
     convert.in = as_const(states);
     convert.out = pelorus::view(memory + items * (c + n_) * p, c_, p, items);
@@ -47,18 +49,20 @@ PointFilter::Seen PointFilter::see_points(const plr_call& call, std::size_t inde
     return seen;
 }
 
-/// Fills in what a sensor sees of a block of records. `memory` holds look_doubles(sensor) an item.
+/// Fills in what a sensor sees of a block of records. `memory` holds look_doubles(sensor), but for what update and project use
+/// of it themselves.
 void PointFilter::look(const plr_call& call, std::size_t index, const plr_const_view& records, Sight& sight,
                        double* memory) const {
     const SensorInSlot& sensor = sensors_[index];
     const Looker& looker = lookers_[index];
+    const int n = static_cast<int>(n_), rows = static_cast<int>(sensor.m);
     const std::int64_t items = records.count, p = looker.rule.count(), m = sensor.m;
-    double* const own = memory;
-    double* const slopes = own + items * n_ * n_;
-    double* const downdates = slopes + items * m * n_;
-    double* const images = downdates + items * m;
+    const std::int64_t room = kept_items(looker.items);
+    const Points points = points_of(looker.rule);
+    sight.factors = memory;
+    sight.image = image_of(points, rows, looker.is_linear, memory + room * n_ * n_);
+    double* const images = sight.image.kept + room * image_doubles(rows, n);
     double* const values = images + items * m * p;
-    sight.factors = factors(call, records, own);
     const Seen seen = see_points(call, index, records, sight.factors, values + items * m * p);
     auto measure = pelorus::arguments<plr_sensor_measure>();
     measure.cartesian = as_const(seen.points);
@@ -70,17 +74,15 @@ void PointFilter::look(const plr_call& call, std::size_t index, const plr_const_
     compare.out = pelorus::view(values, m, p, items);
     tolerate(sensor.part.call(&plr_sensor::residual, call, compare));
 
+    for (std::int64_t i = 0; i < items && sight.cartesian_cross.data != nullptr && !state_is_cartesian_; ++i)
+        add_cartesian_cross(looker.rule, at(seen.cartesian, i), at(compare.out, i), m, at(sight.cartesian_cross, i));
+    Outcomes outcomes = still_good(call, items);
+    looker.regress(items)({rows, n, static_cast<int>(items), &points, items_of(as_const(measure.out)),
+                           items_of(as_const(compare.out)), items_of(sight.predicted), sight.image.kept,
+                           outcomes.data()});
     for (std::int64_t i = 0; i < items; ++i) {
-        double* const differences = at(compare.out, i);
-        double* const predicted = at(sight.predicted, i);
-        if (sight.cartesian_cross.data != nullptr && !state_is_cartesian_)
-            add_cartesian_cross(looker.rule, at(seen.cartesian, i), differences, m, at(sight.cartesian_cross, i));
-        double shift[max_measurement];
-        Image& image = sight.images[static_cast<std::size_t>(i)];
-        image = regress(looker.rule, n_, m, differences, shift, slopes + i * m * n_, downdates + i * m);
-        if (looker.is_linear) image = Image{image.slope};
-        for (std::int64_t r = 0; r < m; ++r) predicted[r] = at(measure.out, i)[r] + shift[r];
-        for (const int angle : looker.angles) predicted[angle] = pelorus::wrap_angle(predicted[angle]);
+        for (const int angle : looker.angles)
+            at(sight.predicted, i)[angle] = pelorus::wrap_angle(at(sight.predicted, i)[angle]);
     }
 }
 
@@ -109,33 +111,32 @@ plr_status PointFilter::project(const plr_call& call, const plr_estimator_projec
     const std::int64_t m = sensor(args.sensor).m, count = args.measurement.count;
     const auto index = static_cast<std::size_t>(args.sensor);
     check_project(args, m);
-    const std::int64_t size = lookers_[index].items;
-    const Scratch scratch(call, size * look_doubles(index));
+    const Scratch scratch(call, look_doubles(index));
+    const bool cartesian = args.cartesian_cross.data != nullptr;
     const auto body = [&](const plr_call& block, std::int64_t first, std::int64_t items) {
+        double* const memory = scratch.data();
         Sight sight;
         sight.predicted = slice(args.measurement, first, items);
-        if (args.cartesian_cross.data != nullptr) sight.cartesian_cross = slice(args.cartesian_cross, first, items);
-        look(block, index, slice(args.record, first, items), sight, scratch.data());
+        if (cartesian) sight.cartesian_cross = slice(args.cartesian_cross, first, items);
+        // The native one is the Cartesian one where the state is Cartesian.
+        const plr_view cross = args.cross.data != nullptr ? slice(args.cross, first, items)
+                               : cartesian                ? pelorus::view(memory, n_, m, items)
+                                                          : plr_view{};
+        look(block, index, slice(args.record, first, items), sight, memory + lookers_[index].items * n_ * m);
+        Outcomes outcomes = still_good(block, items);
+        lookers_[index].look(items).project({static_cast<int>(n_), static_cast<int>(m), static_cast<int>(items),
+                                             sight.image, sight.factors, items_of(args.covariance, first),
+                                             items_of(cross), outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            const Image& image = sight.images[static_cast<std::size_t>(i)];
-            double* const covariance = at(args.covariance, first + i);
-            image_covariance(static_cast<int>(m), static_cast<int>(n_), image, covariance);
-            if (!all_finite(covariance, m * m) || !all_finite(at(sight.predicted, i), m) ||
-                !all_finite(at(sight.factors, i), n_ * n_))
-                require(Outcome::not_finite);
-            using Square = small::Bounded<max_state, max_state>;
-            using Cross = small::Bounded<max_state, max_measurement>;
-            const auto cross = [&](double* out) {  // S G'
-                small::multiply_transposed(
-                    Eigen::Map<const Square>(at(sight.factors, i), n_, n_),
-                    Eigen::Map<const small::Bounded<max_measurement, max_state>>(image.slope, m, n_),
-                    Eigen::Map<Cross>(out, n_, m));
-            };
-            if (args.cross.data != nullptr) cross(at(args.cross, first + i));
-            if (sight.cartesian_cross.data != nullptr && state_is_cartesian_) cross(at(sight.cartesian_cross, i));
+            require(outcomes[static_cast<std::size_t>(i)]);
+            if (!all_finite(at(sight.predicted, i), m)) require(Outcome::not_finite);
+            if (!cartesian) return;
+            double* const wanted = at(sight.cartesian_cross, i);
+            if (state_is_cartesian_) std::copy_n(at(cross, i), n_ * m, wanted);
+            if (!all_finite(wanted, c_ * m)) require(Outcome::not_finite);
         });
     };
-    return in_blocks(call, count, body, size);
+    return in_blocks(call, count, body, lookers_[index].items);
 }
 
 plr_status PointFilter::update(const plr_call& call, const plr_estimator_update& args) const {
@@ -143,32 +144,31 @@ plr_status PointFilter::update(const plr_call& call, const plr_estimator_update&
     const auto index = static_cast<std::size_t>(args.sensor);
     const std::int64_t m = by.m, size = lookers_[index].items;
     check_update(args, m);
-    const Scratch scratch(call, size * look_doubles(index));
+    const Scratch scratch(call, look_doubles(index));
     const auto body = [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
         double* const memory = scratch.data();
         Sight sight;
         sight.predicted = pelorus::view(memory, m, 1, items);
-        look(block, index, records, sight, memory + 2 * items * m);
+        look(block, index, records, sight, memory + 2 * size * m);
         auto compare = pelorus::arguments<plr_sensor_residual>();
         compare.measurement = slice(args.measurement, first, items);
         compare.reference = as_const(sight.predicted);
-        compare.out = pelorus::view(memory + items * m, m, 1, items);
+        compare.out = pelorus::view(memory + size * m, m, 1, items);
         tolerate(by.part.call(&plr_sensor::residual, block, compare));
 
+        Outcomes outcomes = still_good(block, items);
+        lookers_[index].look(items).update({static_cast<int>(n_), static_cast<int>(m), static_cast<int>(items),
+                                            is_root(), !order_.empty(), sight.image, sight.factors, items_of(records),
+                                            items_of(args.noise, first), items_of(as_const(compare.out)),
+                                            items_of(args.out, first), items_of(args.log_likelihood, first),
+                                            items_of(args.innovation_covariance, first), outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            const std::int64_t item = first + i;
-            const double* const record = at(records, i);
-            double* const out = at(args.out, item);
-            const Measured measured{record, at(sight.factors, i), at(args.noise, item), at(compare.out, i)};
-            const Updated updated{
-                out, out + n_, args.log_likelihood.data == nullptr ? nullptr : at(args.log_likelihood, item),
-                args.innovation_covariance.data == nullptr ? nullptr : at(args.innovation_covariance, item)};
-            require(lookers_[index].kernel(static_cast<int>(n_), static_cast<int>(m),
-                                           sight.images[static_cast<std::size_t>(i)], measured, updated));
+            require(outcomes[static_cast<std::size_t>(i)]);
+            double* const out = at(args.out, first + i);
             wrap(out);
-            if (args.innovation.data != nullptr) std::copy_n(measured.innovation, m, at(args.innovation, item));
-            std::copy_n(record + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
+            if (args.innovation.data != nullptr) std::copy_n(at(compare.out, i), m, at(args.innovation, first + i));
+            std::copy_n(at(records, i) + n_ + n_ * n_, motion_record_, out + n_ + n_ * n_);
         });
     };
     return in_blocks(call, args.out.count, body, size);

@@ -17,13 +17,14 @@ template <class Derived> class PointPlugin : public pelorus::Estimator<Derived>,
 public:
     void setup(const pelorus::Setup& setup) {
         setup_filter(setup, form, this->info);
-        setup_points(static_cast<const Derived&>(*this).rule(static_cast<int>(n_)), this->info);
+        setup_points(static_cast<const Derived&>(*this).rule(static_cast<int>(n_)), component_order, this->info);
     }
     const void* extension(const char* id) const noexcept {
         return std::strcmp(id, PLR_ESTIMATOR_MIX) == 0 ? mix_table<Derived>() : nullptr;
     }
 
     Form form = Form::square_root;
+    ComponentOrder component_order = ComponentOrder::state;
 
 protected:
     static void describe_parts(pelorus::Describe<Derived>& plugin) {
@@ -34,6 +35,14 @@ protected:
             .choices({{"covariance", "records hold covariances, whose factors are found at each step"},
                       {"square_root", "records hold factors of covariances, which no rounding makes indefinite"}})
             .doc("what is kept of a track's spread, and computed with");
+        plugin.parameter("component_order", &Derived::component_order)
+            .initially("state")
+            .choices({{"state", "as the motion has them: positions, velocities, accelerations; fastest"},
+                      {"axes", "axis by axis: position, velocity and acceleration of x, then of y, ..."}})
+            .doc(
+                "the order of components in which a covariance is factored: it decides where points lie on the "
+                "ellipsoid, and so "
+                "what a rule makes of curvature beyond its degree; linear motions and sensors do not feel it");
     }
 };
 

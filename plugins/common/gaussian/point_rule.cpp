@@ -118,4 +118,23 @@ PointRule leading_rule(const PointRule& rule, std::int64_t leading) {
     return out;
 }
 
+Points points_of(const PointRule& rule) noexcept {
+    Points out{static_cast<int>(rule.size),
+               static_cast<int>(rule.count()),
+               rule.is_star,
+               rule.scale,
+               rule.points.data(),
+               rule.mean_weights.data(),
+               rule.covariance_weights.data(),
+               rule.covariance_weights[0],
+               false};
+    if (!rule.is_star) return out;
+    // The sum of the weights in covariances: 1, but for the unscented transform.
+    const auto others = static_cast<double>(rule.count() - 1);
+    const double sum = rule.size > 0 ? rule.covariance_weights[0] + others * rule.covariance_weights[1] : 1.0;
+    out.about_centre = out.centre_weight < 0.0 && sum >= 2.0;
+    if (out.about_centre) out.centre_weight = sum - 2.0;
+    return out;
+}
+
 }  // namespace gaussian

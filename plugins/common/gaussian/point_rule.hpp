@@ -2,6 +2,8 @@
 /// some degree. Data, made once for an instance.
 #pragma once
 
+#include "factor_kernels.hpp"
+
 #include <cstdint>
 #include <vector>
 
@@ -34,5 +36,11 @@ double gauss_hermite_count(int n, int order);
 /// The rule for a function of the first `leading` components alone: points that differ in others only are one, of their
 /// weights' sum.
 PointRule leading_rule(const PointRule& rule, std::int64_t leading);
+
+/// A rule as kernels see it, as long as it lives. The centre's residual is -shift, and its weight may be negative; then, of
+/// differences d from the centre's image,
+///     sum w (d - shift)(d - shift)' = sum w d d' + (sum w - 2) shift shift'
+/// may hold nothing negative, and does not cancel where points lie close to the centre.
+Points points_of(const PointRule& rule) noexcept;
 
 }  // namespace gaussian

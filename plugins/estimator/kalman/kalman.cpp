@@ -55,14 +55,16 @@ void Kalman::setup(const pelorus::Setup& setup) {
         Seen& seen = seen_.emplace_back(see(sensor));
         const int m = static_cast<int>(sensor.m);
         seen.kernels = {narrow.measurement(n, m, seen.leading), wide.measurement(n, m, seen.leading)};
-        by_factors_.push_back(gaussian::update_kernel(form, n, m));
-        doubles = std::max(doubles, copies + 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
+        seen.by_factors =
+            gaussian::factor_kernels_by_items([&](const gaussian::FactorKernels& all) { return all.look(n, m); });
+        doubles =
+            std::max(doubles, copies + kept_doubles(sensor) + 2 * sensor.m + 2 * sensor.m * n_ + look_doubles(sensor));
     }
     info.scratch_bytes = scratch_for(doubles);
 }
 
 Kalman::Seen Kalman::see(const SensorInSlot& sensor) const {
-    Seen out{{}, static_cast<int>(n_), true, false};
+    Seen out{{}, {}, static_cast<int>(n_), true, false};
     if (state_is_cartesian_) {
         out.leading = 1 + static_cast<int>(*std::max_element(sensor.index.begin(), sensor.index.end()));
         out.can_common = (sensor.part.info().flags & PLR_SENSOR_LINEAR) != 0;
@@ -75,6 +77,11 @@ Kalman::Seen Kalman::see(const SensorInSlot& sensor) const {
 std::int64_t Kalman::look_doubles(const SensorInSlot& sensor) const {
     const std::int64_t converted = state_is_cartesian_ ? 0 : c_ + c_ * n_;
     return sensor.c + sensor.m * sensor.c + converted;
+}
+
+/// Of a look at factors.
+std::int64_t Kalman::kept_doubles(const SensorInSlot& sensor) const noexcept {
+    return is_root() ? n_ * n_ + gaussian::image_doubles(static_cast<int>(sensor.m), static_cast<int>(n_)) : 0;
 }
 
 const void* Kalman::extension(const char* id) const noexcept {

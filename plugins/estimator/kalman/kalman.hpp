@@ -6,8 +6,6 @@
 #include "../../common/gaussian/factor_filter.hpp"
 #include "kalman_kernels.hpp"
 
-#include <array>
-#include <limits>
 #include <vector>
 
 #include <pelorus/batch_model.hpp>
@@ -17,9 +15,6 @@ namespace kalman {
 using namespace batches;
 
 using gaussian::SensorInSlot;
-
-static_assert(block_items == block_size && max_state == gaussian::max_state &&
-              max_measurement == gaussian::max_measurement);
 
 class Kalman : public pelorus::Estimator<Kalman>, public gaussian::FactorFilter {
 public:
@@ -38,6 +33,7 @@ private:
     /// What is known of a sensor once and for all.
     struct Seen {
         lanes::ByItems<MeasurementKernels> kernels;
+        lanes::ByItems<gaussian::LookKernels> by_factors;
         int leading;      // the columns of H from there on are zero
         bool in_order;    // it looks at the first Cartesian components, in their order
         bool can_common;  // one H serves all items, unless they have inputs of their own
@@ -52,7 +48,7 @@ private:
 
     std::int64_t look_doubles(const SensorInSlot& sensor) const;
     template <class View> View covariance(const View& records) const noexcept { return spread(records); }
-    ItemsIn jacobians(const Looks& looks, std::int64_t m) const noexcept {
+    gaussian::ItemsIn jacobians(const Looks& looks, std::int64_t m) const noexcept {
         return {looks.jacobian, looks.common ? 0 : m * n_};
     }
 
@@ -64,21 +60,20 @@ private:
     };
     Steps steps(const plr_call& call, const plr_estimator_predict& args, std::int64_t first, std::int64_t items,
                 bool common, double* memory) const;
-    /// F1 and Q1 of the items of a block.
-    struct Blocks {
-        std::array<double, max_state * max_state> f1, q1;  // of last_dt
-        double last_dt = std::numeric_limits<double>::quiet_NaN();
-        std::array<double, block_items> dt;  // for which each item's are there
-        bool upper_triangular = true;        // all F1 so far
-        double *transition, *noise;          // as BlockStep has them
-    };
-    void ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const;
     plr_status predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status predict_fully(const plr_call& call, const plr_estimator_predict& args) const;
     Seen see(const SensorInSlot& sensor) const;
     plr_const_view look(const plr_call& call, std::int32_t sensor, const plr_const_view& records, const Looks& out,
                         double* memory) const;
     // With factors of covariances, or with several linearisations.
+    /// The look of a sensor at factors, which are kept.
+    struct Whitened {
+        double* factors;
+        gaussian::Image image;
+    };
+    std::int64_t kept_doubles(const SensorInSlot& sensor) const noexcept;
+    Whitened whiten(const plr_call& call, std::int32_t sensor, const plr_const_view& records, const Looks& looks,
+                    double* memory) const;
     plr_status project_by_factors(const plr_call& call, const plr_estimator_project& args) const;
     plr_status update_iterated(const plr_call& call, const plr_estimator_update& args) const;
     /// One linearisation of a block of items: what it starts from, what it makes of it, and what it tells.
@@ -86,13 +81,12 @@ private:
         plr_const_view records, noise, innovation;
         plr_view out, log_likelihood, innovation_covariance;
     };
-    plr_status learn(const plr_call& call, std::int32_t sensor, const Looks& looks, const Linearisation& step) const;
-    void learn_by_factors(std::int32_t sensor, const double* jacobian, const Linearisation& step, std::int64_t i) const;
+    plr_status learn(const plr_call& call, std::int32_t sensor, const Looks& looks, const Linearisation& step,
+                     double* memory) const;
     void innovate_about(const double* record, const double* point, const double* jacobian, std::int64_t m,
                         double* innovation) const;
 
-    std::vector<Seen> seen_;                    // of the sensors
-    std::vector<gaussian::Update> by_factors_;  // of the sensors
+    std::vector<Seen> seen_;  // of the sensors
     lanes::ByItems<BlockKernel> by_blocks_{};
     lanes::ByItems<FullKernel> fully_{};
 };

@@ -1,32 +1,21 @@
 /// The arithmetic of the Kalman filter on blocks of items, over lanes (plugins/common/lanes).
 ///
-/// A block is at most block_items items. Arrays of items are packed and column-major; the caller owns them. A record begins with
-/// mean (n) and covariance (n x n, symmetric). Each item's Outcome is given as `done` where it is
-/// to be worked out; others are left alone. An item that fails tells why there, and its outputs are not written.
+/// plugins/common/gaussian/items.hpp says how blocks are handed over. A record begins with mean (n) and covariance (n x n,
+/// symmetric). An item that fails leaves its outputs as they are.
 /// All functions are pure, [worker, concurrent] [hot]; records may be the outputs that replace them.
 #pragma once
 
-#include "../../common/gaussian/outcome.hpp"
+#include "../../common/gaussian/items.hpp"
 #include "../../common/lanes/instruction_set.hpp"
-
-#include <cstdint>
 
 namespace kalman {
 
-constexpr int max_state = 12, max_measurement = 6, block_items = 16;
-
+using gaussian::block_items;
+using gaussian::ItemsIn;
+using gaussian::ItemsOut;
+using gaussian::max_measurement;
+using gaussian::max_state;
 using gaussian::Outcome;
-
-/// Item i begins at first + i * stride; stride 0: one for all.
-struct ItemsIn {
-    const double* first;
-    std::int64_t stride;
-};
-/// The same of an output; first may be nullptr: not wanted.
-struct ItemsOut {
-    double* first;
-    std::int64_t stride;
-};
 
 /// Prediction by blocks: F = F1 (x) I, Q = Q1 (x) I with F1, Q1 b x b and d axes.
 struct BlockStep {

@@ -1,6 +1,6 @@
 // The kernels over lanes, compiled once for each instruction set. Includes nothing that has inline functions of its own: see
 // plugins/common/lanes/pack.hpp.
-#include "../../common/lanes/algebra.hpp"
+#include "../../common/gaussian/groups.hpp"
 #include "kalman_kernels.hpp"
 
 namespace kalman {
@@ -11,54 +11,13 @@ namespace {
 
 using namespace lanes;
 
-constexpr int max_record = max_state + max_state * max_state;
+using namespace gaussian::PELORUS_LANES;
 
-/// The size that arrays have for states or measurements of size N.
-template <class N> constexpr int most_states = max_state;
-template <int N> constexpr int most_states<Fixed<N>> = N;
-template <class M> constexpr int most_measured = max_measurement;
-template <int M> constexpr int most_measured<Fixed<M>> = M;
 template <class B, class D> constexpr int most_in_blocks = max_state;
 template <int B, int D> constexpr int most_in_blocks<Fixed<B>, Fixed<D>> = B* D;
 
-/// What stands in the lanes without an item: no covariance, no noise, no numbers that would slow the processor down.
-const double nothing[max_record] = {};
-
-/// Which items of a block the lanes hold: goes through it, as many at once as there are lanes.
-struct Group {
-    const Outcome* outcome;
-    int items;  // of the block
-    int first = 0;
-
-    bool is_left() const noexcept { return first < items; }
-    void next() noexcept { first += width; }
-    bool holds(int lane) const noexcept { return first + lane < items && outcome[first + lane] == Outcome::done; }
-};
-
-template <class Count> void load_items(const ItemsIn& from, const Group& group, Count count, Pack* to) noexcept {
-    const double* item[width];
-    for (int lane = 0; lane < width; ++lane)
-        item[lane] = group.holds(lane) ? from.first + (group.first + lane) * from.stride : nothing;
-    load(item, count, to);
-}
-
-template <class Count>
-void store_items(const Pack* from, Count count, const Group& group, const ItemsOut& to) noexcept {
-    double* item[width];
-    for (int lane = 0; lane < width; ++lane)
-        item[lane] = group.holds(lane) ? to.first + (group.first + lane) * to.stride : nullptr;
-    store(from, count, item);
-}
-
-/// Notes why lanes failed, unless they did before.
-void note(const Group& group, const Mask& failed, Outcome why, Outcome* outcome) noexcept {
-    if (!any(failed)) return;
-    for (int lane = 0; lane < width; ++lane)
-        if (failed[lane] != 0 && group.holds(lane)) outcome[group.first + lane] = why;
-}
-
 /// 0 unless a number is infinite or NaN; reads the lower triangle of the covariance.
-Pack check_finite(int n, const Pack* record) noexcept {
+Pack check_record(int n, const Pack* record) noexcept {
     Pack check{};
     for (int i = 0; i < n; ++i) check += 0.0 * record[i];
     for (int j = 0; j < n; ++j)
@@ -103,7 +62,7 @@ template <class B, class D, bool upper> void predict_blocks_of(B derivatives, D 
                 for (int i = column; i < n; ++i) out[n + i * n + column] = out[n + column * n + i];
             }
         }
-        note(group, ~(check_finite(n, from) + check_finite(n, out) == 0.0), Outcome::not_finite, step.outcome);
+        note(group, ~(check_record(n, from) + check_record(n, out) == 0.0), Outcome::not_finite, step.outcome);
         store_items(out, n + n * n, group, step.out);
     }
     leave_lanes();
@@ -159,7 +118,7 @@ template <class N> void predict_full_of(N size, const FullStep& step) noexcept {
             load_items(step.noise, group, n * n, q);
             congruence(size, f, q, from + n, out + n);
         }
-        note(group, ~(check_finite(n, from) + check_finite(n, out) == 0.0), Outcome::not_finite, step.outcome);
+        note(group, ~(check_record(n, from) + check_record(n, out) == 0.0), Outcome::not_finite, step.outcome);
         store_items(out, n + n * n, group, step.out);
     }
     leave_lanes();

@@ -1,19 +1,20 @@
 // The filter's step: prediction, the look of a sensor, update.
-#include "kalman_blocks.hpp"
+#include "../../common/gaussian/blocks.hpp"
+#include "kalman.hpp"
 
 #include <algorithm>
-#include <array>
-#include <limits>
 
 #include <pelorus/sensor.hpp>
-#include <pelorus/small_matrix.hpp>
 
 namespace kalman {
 
+using gaussian::items_of;
+using gaussian::Outcomes;
+using gaussian::settled;
+using gaussian::still_good;
 using pelorus::as_const;
 using pelorus::Scratch;
 using pelorus::slice;
-namespace small = pelorus::small;
 
 // -------------------------------------------------------------------------------------------------- prediction
 
@@ -28,49 +29,17 @@ plr_status Kalman::predict(const plr_call& call, const plr_estimator_predict& ar
         });
 }
 
-/// Asks for F1 and Q1 of the items of a block, once where neighbours share the time step, and lays them out for the kernel.
-void Kalman::ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const {
-    const int size = structure_->block * structure_->block;
-    tolerate(pelorus::for_items(call, dt.count, [&](std::int64_t i) {
-        const auto lane = static_cast<std::size_t>(i);
-        const double now = *at(dt, i);
-        if (now == blocks.dt[lane] && call.input_stride == 0) return;
-        if (now != blocks.last_dt || call.input_stride != 0) {
-            blocks.last_dt = std::numeric_limits<double>::quiet_NaN();
-            const plr_call here = slice(call, i);
-            const bool was_told = call.error->code != PLR_OK;
-            const plr_status status =
-                structure_->blocks(motion_.self(), &here, now, blocks.f1.data(), blocks.q1.data());
-            // It speaks of a time step; the caller wants to know of which item.
-            if (status != PLR_OK && !was_told && call.error->item < 0) call.error->item = call.item_offset + i;
-            pelorus::require(status);
-            blocks.last_dt = now;
-        }
-        for (int e = 0; e < size; ++e) {
-            blocks.transition[e * block_items + i] = blocks.f1[static_cast<std::size_t>(e)];
-            blocks.noise[e * block_items + i] = blocks.q1[static_cast<std::size_t>(e)];
-            if (e % structure_->block > e / structure_->block && blocks.f1[static_cast<std::size_t>(e)] != 0.0)
-                blocks.upper_triangular = false;
-        }
-        blocks.dt[lane] = now;
-    }));
-}
-
 plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_predict& args) const {
     const std::int64_t size = structure_->block * structure_->block;
     const Scratch scratch(call, 2 * size * block_items);
-    std::fill_n(scratch.data(), 2 * size * block_items, 0.0);
-    Blocks blocks;
-    blocks.dt.fill(std::numeric_limits<double>::quiet_NaN());  // differs from every dt
-    blocks.transition = scratch.data();
-    blocks.noise = scratch.data() + size * block_items;
+    Blocks blocks(scratch.data(), size);
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         ask_for_blocks(block, slice(args.dt, first, items), blocks);
         Outcomes outcomes = still_good(block, items);
         by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
                            blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
                            outcomes.data()});
-        return for_good_items(block, items, [&](std::int64_t i) { require(outcomes[static_cast<std::size_t>(i)]); });
+        return settled(block, items, outcomes);
     });
 }
 

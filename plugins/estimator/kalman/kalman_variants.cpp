@@ -1,89 +1,89 @@
 // The filter on factors of covariances, and its update by several linearisations.
-#include "kalman_blocks.hpp"
+#include "../../common/gaussian/blocks.hpp"
+#include "kalman.hpp"
 
 #include <algorithm>
 
 #include <pelorus/sensor.hpp>
-#include <pelorus/small_matrix.hpp>
 
 namespace kalman {
 
-namespace small = pelorus::small;
+using gaussian::items_of;
+using gaussian::Outcomes;
+using gaussian::settled;
+using gaussian::still_good;
 using pelorus::as_const;
 using pelorus::Scratch;
 using pelorus::slice;
 
-namespace {
-
-using Square = small::Bounded<max_state, max_state>;
-using Wide = small::Bounded<max_measurement, max_state>;
-using Cross = small::Bounded<max_state, max_measurement>;
-
-}  // namespace
+/// S and G = H S of a block of records; they are kept in `memory`, block_size * kept_doubles(sensor).
+Kalman::Whitened Kalman::whiten(const plr_call& call, std::int32_t number, const plr_const_view& records,
+                                const Looks& looks, double* memory) const {
+    const auto which = static_cast<std::size_t>(number);
+    const int n = static_cast<int>(n_), m = static_cast<int>(sensors_[which].m), seen = seen_[which].leading;
+    const std::int64_t items = records.count;
+    Outcomes outcomes = still_good(call, items);
+    const Whitened out{memory, {memory + block_size * n_ * n_, seen, 0, false}};
+    state_kernels_(items).slope({n, m, seen, static_cast<int>(items), true, items_of(records), jacobians(looks, m),
+                                 out.factors, out.image.kept, outcomes.data()});
+    tolerate(settled(call, items, outcomes));
+    return out;
+}
 
 /// H P H' = G G' and P H' = S G' with G = H S.
 plr_status Kalman::project_by_factors(const plr_call& call, const plr_estimator_project& args) const {
     const SensorInSlot& by = sensor(args.sensor);
+    const Seen& seen = seen_[static_cast<std::size_t>(args.sensor)];
     const std::int64_t m = by.m;
     check_project(args, m);
-    const Scratch scratch(call, block_size * (m * n_ + look_doubles(by)));
-    const bool can_common = seen_[static_cast<std::size_t>(args.sensor)].can_common;
+    const Scratch scratch(call, block_size * (2 * m * n_ + look_doubles(by) + kept_doubles(by)));
+    const bool cartesian = args.cartesian_cross.data != nullptr;
     return in_blocks(call, args.measurement.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
-        const Looks looks{slice(args.measurement, first, items), scratch.data(), can_common && block.input_stride == 0};
-        const plr_const_view to_cartesian =
-            look(block, args.sensor, records, looks, scratch.data() + block_size * m * n_);
-        const ItemsIn jacobian = jacobians(looks, m);
+        double* const rest = scratch.data() + 2 * block_size * m * n_;
+        const Looks looks{slice(args.measurement, first, items), scratch.data(),
+                          seen.can_common && block.input_stride == 0};
+        const plr_const_view to_cartesian = look(block, args.sensor, records, looks, rest);
+        const Whitened by_factors = whiten(block, args.sensor, records, looks, rest + block_size * look_doubles(by));
+
+        ItemsOut cross{nullptr, 0};
+        if (cartesian) cross = {scratch.data() + block_size * m * n_, m * n_};
+        if (args.cross.data != nullptr) cross = items_of(args.cross, first);
+        Outcomes outcomes = still_good(block, items);
+        seen.by_factors(items).project({static_cast<int>(n_), static_cast<int>(m), static_cast<int>(items),
+                                        by_factors.image, by_factors.factors, items_of(args.covariance, first), cross,
+                                        outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
-            const Eigen::Map<const Square> s(at(spread(records), i), n_, n_);
-            Wide g(m, n_);
-            small::multiply(Eigen::Map<const Wide>(jacobian.first + i * jacobian.stride, m, n_), s, g);
-            Eigen::Map<small::Bounded<max_measurement, max_measurement>> projected(at(args.covariance, first + i), m,
-                                                                                   m);
-            small::gram(g, projected);
-            Cross cross(n_, m);
-            small::multiply_transposed(s, g, cross);
-            if (!small::all_finite(projected) || !small::all_finite(cross))
-                gaussian::require(gaussian::Outcome::not_finite);
-            if (args.cross.data != nullptr) std::copy_n(cross.data(), n_ * m, at(args.cross, first + i));
-            if (args.cartesian_cross.data != nullptr)
-                cross_of_cartesian(to_cartesian, i, cross.data(), m, at(args.cartesian_cross, first + i));
+            gaussian::require(outcomes[static_cast<std::size_t>(i)]);
+            if (cartesian)
+                cross_of_cartesian(to_cartesian, i, cross.first + i * cross.stride, m,
+                                   at(args.cartesian_cross, first + i));
         });
     });
 }
 
-plr_status Kalman::learn(const plr_call& call, std::int32_t index, const Looks& looks,
-                         const Linearisation& step) const {
+/// `memory` holds block_size * kept_doubles(sensor).
+plr_status Kalman::learn(const plr_call& call, std::int32_t index, const Looks& looks, const Linearisation& step,
+                         double* memory) const {
     const auto which = static_cast<std::size_t>(index);
     const int n = static_cast<int>(n_), m = static_cast<int>(sensors_[which].m);
-    const ItemsIn jacobian = jacobians(looks, m);
-    if (form == gaussian::Form::square_root)
-        return for_good_items(call, step.out.count, [&](std::int64_t i) {
-            learn_by_factors(index, jacobian.first + i * jacobian.stride, step, i);
-        });
-    Outcomes outcomes = still_good(call, step.out.count);
-    seen_[which]
-        .kernels(step.out.count)
-        .update({n, m, seen_[which].leading, static_cast<int>(step.out.count), items_of(step.records, 0), jacobian,
-                 items_of(step.noise, 0), items_of(step.innovation, 0), items_of(step.out, 0),
-                 items_of(step.log_likelihood, 0), items_of(step.innovation_covariance, 0), outcomes.data()});
-    return for_good_items(call, step.out.count,
-                          [&](std::int64_t i) { gaussian::require(outcomes[static_cast<std::size_t>(i)]); });
-}
-
-void Kalman::learn_by_factors(std::int32_t index, const double* jacobian, const Linearisation& step,
-                              std::int64_t i) const {
-    const auto which = static_cast<std::size_t>(index);
-    const std::int64_t m = sensors_[which].m;
-    const double* const record = at(step.records, i);
-    const auto wanted = [&](const plr_view& view) { return view.data == nullptr ? nullptr : at(view, i); };
-    Wide g(m, n_);
-    small::multiply(Eigen::Map<const Wide>(jacobian, m, n_), Eigen::Map<const Square>(record + n_, n_, n_), g);
-    double* const out = at(step.out, i);
-    gaussian::require(
-        by_factors_[which](static_cast<int>(n_), static_cast<int>(m), gaussian::Image{g.data()},
-                           {record, record + n_, at(step.noise, i), at(step.innovation, i)},
-                           {out, out + n_, wanted(step.log_likelihood), wanted(step.innovation_covariance)}));
+    const std::int64_t items = step.out.count;
+    const Seen& seen = seen_[which];
+    if (is_root()) {
+        const Whitened by_factors = whiten(call, index, step.records, looks, memory);
+        Outcomes outcomes = still_good(call, items);
+        seen.by_factors(items).update({n, m, static_cast<int>(items), true, false, by_factors.image, by_factors.factors,
+                                       items_of(step.records), items_of(step.noise), items_of(step.innovation),
+                                       items_of(step.out), items_of(step.log_likelihood),
+                                       items_of(step.innovation_covariance), outcomes.data()});
+        return settled(call, items, outcomes);
+    }
+    Outcomes outcomes = still_good(call, items);
+    seen.kernels(items).update({n, m, seen.leading, static_cast<int>(items), items_of(step.records),
+                                jacobians(looks, m), items_of(step.noise), items_of(step.innovation),
+                                items_of(step.out), items_of(step.log_likelihood), items_of(step.innovation_covariance),
+                                outcomes.data()});
+    return settled(call, items, outcomes);
 }
 
 /// The innovation for a linearisation at another point than the mean: z - h(x_i) - H_i (x - x_i).
@@ -104,14 +104,15 @@ plr_status Kalman::update_iterated(const plr_call& call, const plr_estimator_upd
     const std::int64_t m = by.m;
     check_update(args, m);
     const std::int64_t copies = iterations > 1 ? record_size_ : 0;
-    const Scratch scratch(call, block_size * (copies + 2 * m + m * n_ + look_doubles(by)));
+    const Scratch scratch(call, block_size * (copies + 2 * m + m * n_ + look_doubles(by) + kept_doubles(by)));
     const auto body = [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         double* const memory = scratch.data();
         const Looks looks{pelorus::view(memory, m, 1, items), memory + 2 * block_size * m,
                           seen_[static_cast<std::size_t>(args.sensor)].can_common && block.input_stride == 0};
         double* const rest = looks.jacobian + block_size * m * n_;
         // Iterates; the last one is the result. A single step needs none.
-        const plr_view points = pelorus::view(rest + block_size * look_doubles(by), record_size_, 1, items);
+        double* const kept = rest + block_size * look_doubles(by);
+        const plr_view points = pelorus::view(kept + block_size * kept_doubles(by), record_size_, 1, items);
         const plr_view out = slice(args.out, first, items);
         Linearisation step{slice(args.record, first, items), slice(args.noise, first, items), {}, points, {}, {}};
         for (std::int64_t i = 0; i < items && iterations > 1; ++i)
@@ -134,7 +135,7 @@ plr_status Kalman::update_iterated(const plr_call& call, const plr_estimator_upd
             step.log_likelihood = is_first ? slice(args.log_likelihood, first, items) : plr_view{};
             step.innovation_covariance = is_first ? slice(args.innovation_covariance, first, items) : plr_view{};
             if (iteration + 1 == iterations) step.out = out;
-            status = learn(block, args.sensor, looks, step);
+            status = learn(block, args.sensor, looks, step, kept);
             if (status < 0) return status;
             status = for_good_items(block, items, [&](std::int64_t i) {
                 wrap(at(step.out, i));

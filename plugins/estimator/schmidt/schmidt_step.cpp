@@ -72,12 +72,19 @@ plr_status Schmidt::predict(const plr_call& call, const plr_estimator_predict& a
                 Joint joint(n_, n_ + q_), moved(n_, n_ + q_);
                 joint_factor(at(part.record, i), joint.data());
                 small::multiply(Eigen::Map<const Square>(at(transition, common ? 0 : i), n_, n_), joint, moved);
+                Square covariance = Eigen::Map<const Square>(at(told.noise, common ? 0 : i), n_, n_);
+                small::symmetrise(covariance);
+                small::add_gram(moved, covariance);
+                if (!small::all_finite(covariance) || !all_finite(at(told.predicted, i), n_))
+                    require(Outcome::not_finite);
+                for (std::int64_t r = 0; r < n_; ++r) {
+                    if (covariance.data()[r * n_ + r] < 0.0) require(Outcome::prediction_indefinite);
+                }
                 double* const out = at(part.out, i);
+                std::copy_n(at(told.predicted, i), n_, out);
+                std::copy_n(covariance.data(), n_ * n_, out + n_);
+                std::copy_n(at(told.record, i), motion_record_, out + n_ + n_ * n_);
                 std::copy_n(moved.data() + n_ * n_, n_ * q_, cross(out));
-                gaussian::Image image{moved.data()};
-                image.residual = moved.data() + n_ * n_;
-                image.columns = static_cast<int>(q_);
-                finish(told, image, i, out);
             });
         });
     };
