@@ -134,10 +134,12 @@ TEST_CASE("factors and covariances mix alike", "[gaussian]") {
 }
 
 TEST_CASE("an item of a point filter that cannot be worked out fails alone, by name", "[gaussian]") {
-    for (const std::string& name : names) {
-        CAPTURE(name);
-        const FilterUnderTest f(name, {{"form", "covariance"}}, "coordinated_turn", {{"dimension", "2"}}, "position",
-                                {{"dimension", "2"}});
+    std::vector<std::pair<std::string, std::string>> kinds{{"cubature", "axes"}};
+    for (const std::string& name : names) kinds.emplace_back(name, "state");
+    for (const auto& [name, order] : kinds) {
+        CAPTURE(name, order);
+        const FilterUnderTest f(name, {{"form", "covariance"}, {"component_order", order}}, "coordinated_turn",
+                                {{"dimension", "2"}}, "position", {{"dimension", "2"}});
         const auto& filter = f.filter;
         const std::int64_t count = 20;
         VectorXd x(5);

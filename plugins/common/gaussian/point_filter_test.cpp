@@ -221,6 +221,53 @@ TEST_CASE("a motion's points are those of the published transform", "[gaussian]"
     CHECK(covariance_difference(f.covariance(record), expected) < 1e-10);
 }
 
+TEST_CASE("points lie along the factor of a covariance in the order of components that is asked for", "[gaussian]") {
+    // By hand: Cholesky's factor of [x vx y vy z vz], its rows put back, through range and angles.
+    const std::vector<int> order{0, 3, 1, 4, 2, 5};
+    std::mt19937_64 engine(9);
+    const VectorXd x = place(6);
+    MatrixXd p = 400.0 * random_covariance(6, engine), permuted(6, 6), root(6, 6);
+    p.topLeftCorner(3, 3) *= 100.0;
+    p += 1e5 * MatrixXd::Identity(6, 6);
+    for (int r = 0; r < 6; ++r)
+        for (int c = 0; c < 6; ++c)
+            permuted(r, c) = p(order[static_cast<std::size_t>(r)], order[static_cast<std::size_t>(c)]);
+    const MatrixXd factor = Eigen::LLT<MatrixXd>(permuted).matrixL();
+    for (int r = 0; r < 6; ++r) root.row(order[static_cast<std::size_t>(r)]) = std::sqrt(6.0) * factor.row(r);
+    MatrixXd points(6, 12), seen(3, 12);
+    points << root, -root;
+    points.colwise() += x;
+    for (int k = 0; k < 12; ++k) {
+        const Eigen::Vector3d at = points.col(k).head(3);
+        seen.col(k) << at.norm(), std::atan2(at(1), at(0)), std::asin(at(2) / at.norm());
+    }
+    const VectorXd mean = seen.rowwise().mean();
+    const MatrixXd off = seen.colwise() - mean, difference = points.colwise() - x;
+    const MatrixXd covariance = off * off.transpose() / 12.0, cross = difference * off.transpose() / 12.0;
+    const MatrixXd noise = Eigen::Vector3d(100.0, 1e-4, 1e-4).asDiagonal(), s = covariance + noise;
+    const VectorXd innovation = Eigen::Vector3d(30.0, -0.01, 0.02);
+    const MatrixXd gain = cross * s.inverse(), after = p - gain * s * gain.transpose();
+    for (const char* const form : {"square_root", "covariance"}) {
+        CAPTURE(form);
+        FilterUnderTest f("cubature", {{"form", form}, {"component_order", "axes"}}, "constant_velocity", {},
+                          "spherical");
+        const Batch record = f.record_of(x, p);
+        const auto told = f.projected(record);
+        CHECK(relative(told.measurement, mean) < 1e-12);
+        CHECK(relative(told.covariance, covariance) < 1e-10);
+        CHECK(relative(told.cross, cross) < 1e-10);
+        CHECK(relative(told.cartesian_cross, cross) < 1e-10);
+        const Batch updated = f.updated(mean + innovation, noise, record);
+        CHECK(relative(f.mean(updated), x + gain * innovation) < 1e-12);
+        CHECK(covariance_difference(f.covariance(updated), after) < 1e-9);
+        // Records stay what they are, so that every order may go on from them.
+        FilterUnderTest other("cubature", {{"form", form}}, "constant_velocity", {}, "spherical");
+        CHECK(relative(other.mean(other.predicted(1.0, updated)), f.mean(f.predicted(1.0, updated))) < 1e-14);
+        CHECK(covariance_difference(other.covariance(other.predicted(1.0, updated)),
+                                    f.covariance(f.predicted(1.0, updated))) < 1e-12);
+    }
+}
+
 TEST_CASE("a point filter tells of its errors: NEES and NIS within their chi-square bounds", "[gaussian]") {
     const std::int64_t runs = 200, n = 6;
     const int steps = 20;
@@ -295,6 +342,8 @@ TEST_CASE("batches of a point filter give the bytes that single items give", "[g
     const std::int64_t count = 37;  // more than one block, and no multiple of it
     std::vector<Kind> some = kinds_of_both_forms();
     some.push_back({"gauss_hermite", {{"order", "3"}}});  // one item a block
+    for (const char* const form : {"square_root", "covariance"})
+        some.push_back({"cubature", {{"form", form}, {"component_order", "axes"}}});
     for (const Kind& kind : some) {
         for (const char* const motion : {"constant_velocity", "coordinated_turn"}) {
             const bool is_turn = motion == std::string("coordinated_turn");

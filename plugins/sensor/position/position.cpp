@@ -88,7 +88,7 @@ struct Position : pelorus::Sensor<Position<D, Velocity>, Velocity ? 2 * D : D, V
     Noise noise(const Query&, const Look&) const { return variance_.asDiagonal(); }
     Inverse invert(const Measurement& z, const Noise& noise, const Look&) const { return {z + position_, noise}; }
 
-    // Whole batches of what is asked for at every step: differences, nothing that could fail.
+    // Whole batches of what is asked for at every step: differences.
     static const plr_sensor& table() noexcept {
         static const plr_sensor own = [] {
             plr_sensor t = Base::table();
@@ -98,34 +98,35 @@ struct Position : pelorus::Sensor<Position<D, Velocity>, Velocity ? 2 * D : D, V
         }();
         return own;
     }
-    plr_status measure_batch(const plr_call&, const plr_sensor_measure& args) const {
+    plr_status measure_batch(const plr_call& call, const plr_sensor_measure& args) const {
         const plr_const_view here{position_.data(), size, 1, args.out.count, 1, size, 0};
-        subtract(args.cartesian, here, args.out, "cartesian");
-        return PLR_OK;
+        return subtract(call, args.cartesian, here, args.out, "cartesian");
     }
-    plr_status residual_batch(const plr_call&, const plr_sensor_residual& args) const {
-        subtract(args.measurement, args.reference, args.out, "measurement");
-        return PLR_OK;
+    plr_status residual_batch(const plr_call& call, const plr_sensor_residual& args) const {
+        return subtract(call, args.measurement, args.reference, args.out, "measurement");
     }
 
 private:
     static constexpr int size = Base::measurement_size;
 
     /// out = from - what, of which there may be one column for all points.
-    static void subtract(const plr_const_view& from, const plr_const_view& what, const plr_view& out,
-                         const char* name) {
+    static plr_status subtract(const plr_call& call, const plr_const_view& from, const plr_const_view& what,
+                               const plr_view& out, const char* name) {
         const std::int64_t count = out.count, points = out.cols, step = what.cols == 1 ? 0 : size;
         batches::expect_packed(from, size, points, count, name);
         batches::expect_packed(what, size, what.cols == 1 ? 1 : points, count, "reference");
         batches::expect_packed(out, size, points, count, "out");
-        for (std::int64_t i = 0; i < count; ++i) {
+        return pelorus::for_items(call, count, [&](std::int64_t i) {
             const double *const a = batches::at(from, i), *const b = batches::at(what, i);
-            double* const to = batches::at(out, i);
             for (std::int64_t p = 0; p < points; ++p) {
-                for (int r = 0; r < size; ++r) to[p * size + r] = a[p * size + r] - b[p * step + r];
+                double difference[size];
+                for (int r = 0; r < size; ++r) difference[r] = a[p * size + r] - b[p * step + r];
+                if (!batches::all_finite(difference, size)) throw pelorus::NumericError("a result is not finite");
+                std::copy_n(difference, size, batches::at(out, i) + p * size);
             }
-        }
+        });
     }
+
     static pelorus::Space space() { return pelorus::kinematic_space(D, std::vector<double>(Velocity ? 2u : 1u, 0.0)); }
 
     Measurement variance_;

@@ -12,6 +12,7 @@ namespace {
 
 using batches::at;
 using sensing::Angle;
+using spherical_kernels::Fault;
 using spherical_kernels::Kernels;
 using spherical_kernels::Mounting;
 using spherical_kernels::TriplesIn;
@@ -24,9 +25,19 @@ TriplesOut triples(const plr_view& view, std::int64_t first = 0) noexcept {
     return {at(view, first), view.item_stride, view.col_stride};
 }
 
-/// Throws the error of a point without a Jacobian.
-void refuse(spherical_kernels::Blind why) {
-    if (why != spherical_kernels::Blind::no) sensing::refuse_slope(why == spherical_kernels::Blind::at_sensor);
+/// So many items are worked out before any is judged.
+constexpr std::int64_t block = 64;
+using Faults = std::array<Fault, block>;
+
+/// Throws what a fault means.
+void require(Fault fault) {
+    if (fault == Fault::none) return;
+    if (fault == Fault::not_finite) throw pelorus::NumericError("a result is not finite");
+    sensing::refuse_slope(fault == Fault::at_sensor);
+}
+
+plr_status settled(const plr_call& call, std::int64_t items, const Faults& faults) {
+    return pelorus::for_items(call, items, [&](std::int64_t i) { require(faults[static_cast<std::size_t>(i)]); });
 }
 
 /// Whole batches are worked out over lanes: measure, jacobian and residual of the table are those here.
@@ -88,15 +99,17 @@ Mounting Spherical::mounting(const pelorus::Look& look) const {
 
 Spherical::Measurement Spherical::measure(const Cartesian& x, const Look& look) const {
     Measurement out;
-    kernels_.few->measure(mounting(look), 1, 1, {x.data(), 0, 0}, {out.data(), 0, 0});
+    Fault fault = Fault::none;
+    kernels_.few->measure(mounting(look), 1, 1, {x.data(), 0, 0}, {out.data(), 0, 0}, &fault);
+    require(fault);
     return out;
 }
 
 Spherical::Jacobian Spherical::jacobian(const Cartesian& x, const Look& look) const {
     Jacobian out;
-    auto blind = spherical_kernels::Blind::no;
-    kernels_.few->differentiate(mounting(look), 1, {x.data(), 0, 0}, {out.data(), 0, 0}, &blind);
-    refuse(blind);
+    Fault fault = Fault::none;
+    kernels_.few->differentiate(mounting(look), 1, {x.data(), 0, 0}, {out.data(), 0, 0}, &fault);
+    require(fault);
     return out;
 }
 
@@ -107,42 +120,49 @@ template <class Body> void Spherical::for_mountings(const plr_call& call, std::i
 }
 
 plr_status Spherical::measure_batch(const plr_call& call, const plr_sensor_measure& args) const {
-    const std::int64_t count = args.out.count, points = args.out.cols;
-    batches::expect_packed(args.cartesian, 3, points, count, "cartesian");
-    batches::expect_packed(args.out, 3, points, count, "out");
-    for_mountings(call, count, [&](std::int64_t first, std::int64_t items, const Mounting& here) {
-        kernels_(items * points)
-            ->measure(here, items, points, triples(args.cartesian, first), triples(args.out, first));
-    });
-    return PLR_OK;
+    const std::int64_t points = args.out.cols;
+    batches::expect_packed(args.cartesian, 3, points, args.out.count, "cartesian");
+    batches::expect_packed(args.out, 3, points, args.out.count, "out");
+    const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
+        Faults faults{};
+        for_mountings(here, items, [&](std::int64_t from, std::int64_t some, const Mounting& mounted) {
+            kernels_(some * points)
+                ->measure(mounted, some, points, triples(args.cartesian, first + from), triples(args.out, first + from),
+                          faults.data() + from);
+        });
+        return settled(here, items, faults);
+    };
+    return batches::in_blocks(call, args.out.count, body, block);
 }
 
 plr_status Spherical::jacobian_batch(const plr_call& call, const plr_sensor_jacobian& args) const {
-    constexpr std::int64_t block = 64;
-    const std::int64_t count = args.out.count;
-    batches::expect_packed(args.cartesian, 3, 1, count, "cartesian");
-    batches::expect_packed(args.out, 3, 3, count, "out");
+    batches::expect_packed(args.cartesian, 3, 1, args.out.count, "cartesian");
+    batches::expect_packed(args.out, 3, 3, args.out.count, "out");
     const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
-        std::array<spherical_kernels::Blind, block> blind;
+        Faults faults{};
         for_mountings(here, items, [&](std::int64_t from, std::int64_t some, const Mounting& mounted) {
             kernels_(some)->differentiate(mounted, some, triples(args.cartesian, first + from),
-                                          triples(args.out, first + from), blind.data() + from);
+                                          triples(args.out, first + from), faults.data() + from);
         });
-        return pelorus::for_items(here, items, [&](std::int64_t i) { refuse(blind[static_cast<std::size_t>(i)]); });
+        return settled(here, items, faults);
     };
-    return batches::in_blocks(call, count, body, block);
+    return batches::in_blocks(call, args.out.count, body, block);
 }
 
-plr_status Spherical::residual_batch(const plr_call&, const plr_sensor_residual& args) const {
+plr_status Spherical::residual_batch(const plr_call& call, const plr_sensor_residual& args) const {
     const std::int64_t count = args.out.count, points = args.out.cols;
     const bool one_reference = args.reference.cols == 1;
     batches::expect_packed(args.measurement, 3, points, count, "measurement");
     batches::expect_packed(args.reference, 3, one_reference ? 1 : points, count, "reference");
     batches::expect_packed(args.out, 3, points, count, "out");
-    kernels_(count * points)
-        ->subtract(count, points, triples(args.measurement), triples(args.reference, 0, one_reference),
-                   triples(args.out));
-    return PLR_OK;
+    const auto body = [&](const plr_call& here, std::int64_t first, std::int64_t items) {
+        Faults faults{};
+        kernels_(items * points)
+            ->subtract(items, points, triples(args.measurement, first), triples(args.reference, first, one_reference),
+                       triples(args.out, first), faults.data());
+        return settled(here, items, faults);
+    };
+    return batches::in_blocks(call, count, body, block);
 }
 
 void Spherical::describe(pelorus::Describe<Spherical>& plugin) {

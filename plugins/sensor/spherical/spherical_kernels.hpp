@@ -25,19 +25,20 @@ struct TriplesOut {
     std::int64_t item_stride, point_stride;
 };
 
-/// Why a point has no Jacobian.
-enum class Blind : unsigned char { no, at_sensor, on_axis };
+/// Why an item has no result, or not for all of its points; such points' outputs are left as they are.
+enum class Fault : unsigned char { none, not_finite, at_sensor, on_axis };
 
+/// `faults`, [items], are given as `none`.
 struct Kernels {
     /// (range, azimuth, angle) + bias, angles wrapped, of points in the frame.
     void (*measure)(const Mounting& mounting, std::int64_t items, std::int64_t points, const TriplesIn& from,
-                    const TriplesOut& to);
+                    const TriplesOut& to, Fault* faults);
     /// measurement - reference, angles wrapped.
     void (*subtract)(std::int64_t items, std::int64_t points, const TriplesIn& measurement, const TriplesIn& reference,
-                     const TriplesOut& to);
-    /// d (range, azimuth, angle) / d point, 3 x 3, of one point an item; `blind`, [items], tells where there is none.
+                     const TriplesOut& to, Fault* faults);
+    /// d (range, azimuth, angle) / d point, 3 x 3, of one point an item. There is none at the sensor's place and above it.
     void (*differentiate)(const Mounting& mounting, std::int64_t items, const TriplesIn& from, const TriplesOut& to,
-                          Blind* blind);
+                          Fault* faults);
 };
 
 /// Those of an instruction set that the processor supports.

@@ -31,15 +31,20 @@ public:
                            : nothing;
         lanes::load(at, Fixed<3>{}, to);
     }
-    /// Not of the lanes that are left out.
+    /// Stores the numbers of all points but those that are left out and those that are not finite, which it notes.
     template <int Count>
-    void store(const Pack* from, Fixed<Count> count, const TriplesOut& to,
-               const Mask& left_out = Mask{}) const noexcept {
+    void settle(const Pack* from, Fixed<Count> count, const TriplesOut& to, Mask left_out,
+                Fault* faults) const noexcept {
+        Pack check{};
+        for (int e = 0; e < count; ++e) check += 0.0 * from[e];
+        left_out |= ~(check == 0.0);
         double* at[width];
-        for (int lane = 0; lane < width; ++lane)
-            at[lane] = lane < count_ && left_out[lane] == 0
-                           ? to.first + item_of_[lane] * to.item_stride + point_of_[lane] * to.point_stride
-                           : nullptr;
+        for (int lane = 0; lane < width; ++lane) {
+            const bool is_stored = lane < count_ && left_out[lane] == 0;
+            at[lane] =
+                is_stored ? to.first + item_of_[lane] * to.item_stride + point_of_[lane] * to.point_stride : nullptr;
+            if (lane < count_ && !is_stored) faults[item_of_[lane]] = Fault::not_finite;
+        }
         lanes::store(from, count, at);
     }
 
@@ -85,7 +90,7 @@ struct Local {
 };
 
 void measure(const Mounting& mounting, std::int64_t items, std::int64_t points, const TriplesIn& from,
-             const TriplesOut& to) noexcept {
+             const TriplesOut& to, Fault* faults) noexcept {
     constexpr double half_pi = 1.57079632679489661923;
     for (Walk walk(items, points); walk.is_left(); walk.next()) {
         Pack point[3], seen[3];
@@ -95,13 +100,13 @@ void measure(const Mounting& mounting, std::int64_t items, std::int64_t points, 
         seen[0] = local.range * (1.0 / local.scale) + mounting.bias[0];
         seen[1] = wrapped(arc_tangent(local.p[1], local.p[0]) + mounting.bias[1]);
         seen[2] = wrapped((mounting.is_zenith ? half_pi - angle : angle) + mounting.bias[2]);
-        walk.store(seen, Fixed<3>{}, to);
+        walk.settle(seen, Fixed<3>{}, to, Mask{}, faults);
     }
     leave_lanes();
 }
 
 void subtract(std::int64_t items, std::int64_t points, const TriplesIn& measurement, const TriplesIn& reference,
-              const TriplesOut& to) noexcept {
+              const TriplesOut& to, Fault* faults) noexcept {
     for (Walk walk(items, points); walk.is_left(); walk.next()) {
         Pack one[3], other[3];
         walk.load(measurement, one);
@@ -109,13 +114,13 @@ void subtract(std::int64_t items, std::int64_t points, const TriplesIn& measurem
         one[0] -= other[0];
         one[1] = wrapped(one[1] - other[1]);
         one[2] = wrapped(one[2] - other[2]);
-        walk.store(one, Fixed<3>{}, to);
+        walk.settle(one, Fixed<3>{}, to, Mask{}, faults);
     }
     leave_lanes();
 }
 
 void differentiate(const Mounting& mounting, std::int64_t items, const TriplesIn& from, const TriplesOut& to,
-                   Blind* blind) noexcept {
+                   Fault* faults) noexcept {
     for (Walk walk(items, 1); walk.is_left(); walk.next()) {
         Pack point[3], out[9];
         walk.load(from, point);
@@ -134,12 +139,10 @@ void differentiate(const Mounting& mounting, std::int64_t items, const TriplesIn
                                  along[6 + r] * mounting.rotation[6 + c];
         }
         const Mask steep = ~(local.ground > 1e-9 * local.range);
-        walk.store(out, Fixed<9>{}, to, steep);
-        for (int lane = 0; lane < width; ++lane) {
-            if (walk.item(lane) < 0) continue;
-            const Blind why = local.range[lane] == 0.0 ? Blind::at_sensor : Blind::on_axis;
-            blind[walk.item(lane)] = steep[lane] != 0 ? why : Blind::no;
-        }
+        walk.settle(out, Fixed<9>{}, to, steep, faults);
+        for (int lane = 0; lane < width; ++lane)
+            if (steep[lane] != 0 && walk.item(lane) >= 0)
+                faults[walk.item(lane)] = local.range[lane] == 0.0 ? Fault::at_sensor : Fault::on_axis;
     }
     leave_lanes();
 }

@@ -71,7 +71,9 @@ TEST_CASE("points over lanes are seen where the textbook sees them, in any compa
         const Mounting mount = mounting(is_zenith);
         Numbers seen(from.size());
         agreed(seen, [&](const Kernels& by, int first, int items) {
-            by.measure(mount, items, 1, {from.data() + 3 * first, 3, 3}, {seen.data() + 3 * first, 3, 3});
+            Fault faults[count] = {};
+            by.measure(mount, items, 1, {from.data() + 3 * first, 3, 3}, {seen.data() + 3 * first, 3, 3}, faults);
+            for (const Fault fault : faults) CHECK(fault == Fault::none);
         });
         const Eigen::Map<const Eigen::Matrix3d> rotation(mount.rotation);
         for (int i = 0; i < count; ++i) {
@@ -96,21 +98,22 @@ TEST_CASE("Jacobians over lanes are the textbook's, and a point that has none is
     for (const bool is_zenith : {false, true}) {
         const Mounting mount = mounting(is_zenith);
         Numbers jacobians(from.size() * 3);
-        Blind blind[count];
+        Fault faults[count];
         agreed(jacobians, [&](const Kernels& by, int first, int items) {
+            std::fill_n(faults + first, items, Fault::none);
             by.differentiate(mount, items, {from.data() + 3 * first, 3, 0}, {jacobians.data() + 9 * first, 9, 0},
-                             blind + first);
+                             faults + first);
         });
         const Eigen::Map<const Eigen::Matrix3d> rotation(mount.rotation);
         for (int i = 0; i < count; ++i) {
             const Eigen::Map<const Eigen::Matrix3d> got(jacobians.data() + 9 * i);
             CAPTURE(is_zenith, i);
             if (i >= count - 2) {
-                CHECK(blind[i] == (i == count - 1 ? Blind::at_sensor : Blind::on_axis));
+                CHECK(faults[i] == (i == count - 1 ? Fault::at_sensor : Fault::on_axis));
                 CHECK((got.array() == 7.0).all());
                 continue;
             }
-            CHECK(blind[i] == Blind::no);
+            CHECK(faults[i] == Fault::none);
             Eigen::Matrix3d along;
             const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3d>(from.data() + 3 * i) -
                                       Eigen::Map<const Eigen::Vector3d>(mount.position);
@@ -155,6 +158,22 @@ TEST_CASE("a batch of a spherical sensor gives what single points give, whatever
                 alone.measure(Eigen::Map<const Eigen::Vector3d>(from.data() + 9 * (i / points)));
             CHECK(z == Eigen::Map<const Eigen::Vector3d>(seen.data() + 3 * i));
             CHECK(alone.residual(z, centre) == Eigen::Map<const Eigen::Vector3d>(differences.data() + 3 * i));
+        }
+    }
+}
+
+TEST_CASE("a point that is no number, or too far for one, fails its item of a spherical sensor alone", "[sensor]") {
+    const Mounting mount = mounting(false);
+    const double far = 1.7e308, none = std::nan("");
+    const Numbers from{1, 2, 3, none, 2, 3, 4, 5, 6, far, far, far, 7, 8, 9};
+    for (const lanes::InstructionSet set : lanes::instruction_sets) {
+        if (!lanes::is_supported(set)) continue;
+        Numbers seen(15, 7.0);
+        Fault faults[5] = {};
+        kernels(set).measure(mount, 5, 1, {from.data(), 3, 3}, {seen.data(), 3, 3}, faults);
+        for (int i = 0; i < 5; ++i) {
+            CHECK(faults[i] == (i % 2 == 1 ? Fault::not_finite : Fault::none));
+            CHECK((seen[static_cast<std::size_t>(3 * i)] == 7.0) == (i % 2 == 1));
         }
     }
 }
