@@ -134,7 +134,8 @@ def partition_rows(figures):
         if others:
             ratios = [figures.median(f"partition/{name}/nanoflann/{size}", "cpu_time") / times[size] for size in others]
             yield (f"nanoflann's radius search with union-find / plugin, {what}",
-                   ", ".join(f"1e{len(str(size)) - 1} {ratio:.3g}" for size, ratio in zip(others, ratios)), None, "at least 1")
+                   ", ".join(f"1e{len(str(size)) - 1} {float(f'{ratio:.3g}'):g}" for size, ratio in zip(others, ratios)), None,
+                   "at least 1")
 
 
 def table(rows):
