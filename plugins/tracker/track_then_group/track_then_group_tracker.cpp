@@ -59,13 +59,15 @@ void TrackThenGroupTracker::describe(pelorus::Describe<TrackThenGroupTracker>& p
             "after the time of persistence; groups: connected components; extent = (d + 2) S + r^2 I, S the scatter of "
             "the n members about their mean, divided by n")
         .source(
-            "Y. Han, Y. Zhou, Journal of Ordnance Equipment Engineering 41(12), 2020 (distance linkage); H. Jeung, M. "
+            "L. Han, L. Zhou, Journal of Ordnance Equipment Engineering 41(12), 240-246, 2020 (distance linkage); H. "
+            "Jeung, M. "
             "L. Yiu, X. Zhou, C. S. Jensen, H. T. Shen, Discovery of Convoys in Trajectory Databases, PVLDB 1(1), "
             "2008 (objects together for a time); D. Greene, D. Doyle, P. Cunningham, Tracking the Evolution of "
             "Communities in Dynamic Social Networks, ASONAM 2010 (which group goes on in which)");
     plugin.parameter("threshold", &TrackThenGroupTracker::threshold_)
         .unit("m")
-        .above(0.0)
+        .min(1e-6)
+        .max(1e14)
         .doc("d0: tracks less than so far apart belong together");
     plugin.parameter("hysteresis", &TrackThenGroupTracker::hysteresis_)
         .initially("10 %")
