@@ -82,6 +82,37 @@ TEST_CASE("Clouds that cross are one group for a while and part as who they were
     }
 }
 
+TEST_CASE("Clouds that cross as objects go on, or tell who absorbed whom and who came out of it") {
+    const TemporaryFolder folder;
+    for (const std::string seed : {"1", "2", "3", "4", "5"}) {
+        CAPTURE(seed);
+        const Ended ended =
+            pelorus_command({"run", std::string(PELORUS_SOURCE_DIR) + "/configs/crossing_clouds_group.yaml", "--seed",
+                             seed, "--out", folder / seed});
+        INFO(ended.err);
+        REQUIRE(ended.exit == 0);
+        std::map<std::string, Row> first, last;
+        for (const Row& row : rows_of(folder.read(seed + "/tracks.csv"))) {
+            first.emplace(row.at("id"), row);
+            last[row.at("id")] = row;
+        }
+        const auto crosses = [&](const std::string& id) {
+            return number(last.at(id), "position.y") * number(first.at(id), "position.y") < -300 * 300;
+        };
+        const bool both_go_on = last.size() == 2;
+        CHECK(crosses("1"));
+        CHECK(last.at("1").at("parents") == (both_go_on ? "" : "2"));
+        if (both_go_on) {
+            CHECK(crosses("2"));
+            CHECK(last.at("2").at("parents").empty());
+        } else {
+            REQUIRE(last.size() == 3);
+            CHECK(last.at("2").at("status") == "deleted");
+            CHECK(last.at("3").at("parents") == "1");
+        }
+    }
+}
+
 TEST_CASE("Vessels that move together are found in AIS reports, and no others", "[recording]") {
     const char* data = std::getenv("PELORUS_DATA");
     if (data == nullptr || !std::filesystem::exists(std::filesystem::path(data) / "SolentAIS_20160112_130211.csv")) {
