@@ -1,0 +1,89 @@
+// The space groups' campaigns as they are shipped: the figures that stand beside the config, and what the reproduction says of them.
+#include <algorithm>
+
+#include "../support/expected_figures.hpp"
+
+using namespace pelorus::test;
+
+namespace {
+
+/// Sets of 20 runs scatter by some percent in what a few close pairs decide. Figures are printed with one digit or none behind the point.
+Band band_of(const std::string&, const std::string& scalar) {
+    return {0.15, scalar.find("count_at") != std::string::npos ? 0.1 : 0.5};
+}
+
+double ratio(const Json& cells, const std::string& scalar) {
+    return value(cell_of(cells, "joint"), scalar) / value(cell_of(cells, "distance"), scalar);
+}
+
+/// Numbers of a column at times from `from` (s) on.
+std::vector<double> column(const Json& cell, const std::string& table, const std::string& name, double from) {
+    const Json& given = cell["tables"][table];
+    std::size_t at = 0;
+    while (given["columns"][at]["name"] != name) ++at;
+    std::vector<double> out;
+    for (const Json& row : given["rows"])
+        if (row[0].get<double>() >= from) out.push_back(row[at].get<double>());
+    return out;
+}
+
+double mean(const std::vector<double>& numbers) {
+    double sum = 0;
+    for (const double number : numbers) sum += number;
+    return sum / static_cast<double>(numbers.size());
+}
+
+}  // namespace
+
+// A hundred flights: too slow under the sanitizers, which see the same code in the cases of plugin_tests.
+TEST_CASE("the space groups' campaign reaches the figures beside it", "[space_groups][release-only]") {
+    const Json cells = cells_of("space_groups", {});
+    REQUIRE(cells.size() == 7);
+    CHECK(check_figures("space_groups", cells, band_of) == 34);
+    CHECK(ratio(cells, "groups.total_variation") <= 0.6);
+    CHECK(ratio(cells, "ospa.middle") < 1);
+    CHECK(ratio(cells, "ospa_first_order.middle") <= 0.92);
+    CHECK(ratio(cells, "ospa.middle_path") <= 0.75);
+    CHECK(std::fabs(ratio(cells, "ospa.end_median") - 1) <= 0.1);
+    for (const char* variant : {"distance", "joint"}) {
+        CHECK(value(cell_of(cells, variant), "groups.count_at_100") >= 3.7);
+        CHECK(value(cell_of(cells, variant), "groups.count_at_760") >= 15.8);
+    }
+}
+
+TEST_CASE("space groups with the printed angles are held by tracking each object", "[space_groups][release-only]") {
+    const Json cells =
+        cells_of("space_groups_printed_noise", {"--variant", "distance", "--variant", "track_then_group"});
+    const Json& tracked = cell_of(cells, "track_then_group");
+    for (const double tracks : column(tracked, "groups.by_time", "tracks", 100)) CHECK(tracks == 16);
+    CHECK(value(tracked, "ospa.middle") <= 260);
+    CHECK(value(tracked, "groups.total_variation") <= 20);
+    CHECK(value(cell_of(cells, "distance"), "ospa.middle_pooled") > 500);
+}
+
+TEST_CASE("space groups leave no ghosts where detections are missed, unless duplicates may stay",
+          "[space_groups][release-only]") {
+    const Json cells = cells_of("space_groups", {"--variant", "joint", "--variant", "joint_clean", "--set",
+                                                 "world.sensors.radar.detection_probability=0.9"});
+    const double stay = mean(column(cell_of(cells, "joint"), "groups.by_time", "groups", 661));
+    const double gone = mean(column(cell_of(cells, "joint_clean"), "groups.by_time", "groups", 661));
+    const double objects = mean(column(cell_of(cells, "joint_clean"), "groups.by_time", "true_groups", 661));
+    CAPTURE(stay, gone, objects);
+    CHECK(std::fabs(gone - objects) <= 0.2);
+    CHECK(stay > objects + 1);
+}
+
+TEST_CASE("the space groups' distance has one address, whatever splits", "[space_groups]") {
+    // Two seconds of flight are one group; a centimetre makes each object its own.
+    for (const char* variant : {"distance", "joint", "track_then_group"}) {
+        std::vector<double> counts;
+        for (const char* threshold : {"500 m", "1 cm"}) {
+            const Json cells = cells_of("space_groups", {"--variant", variant, "--runs", "1", "--set", "world.scans=12",
+                                                         "--set", std::string("tracker.threshold=") + threshold});
+            counts.push_back(column(cells[0], "groups.by_time", "groups", 11).back());
+        }
+        CAPTURE(variant);
+        CHECK(counts[0] == 1);
+        CHECK(counts[1] > 8);
+    }
+}
