@@ -1,5 +1,6 @@
 // configs/crossing_clouds.yaml and configs/ais_convoys.yaml: groups that cross, and convoys in a recording, which is found through
 // PELORUS_DATA; without it that test says so and passes.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -7,6 +8,8 @@
 #include <map>
 #include <set>
 #include <sstream>
+
+#include <nlohmann/json.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
 #include "../support/process.hpp"
@@ -142,6 +145,13 @@ TEST_CASE("Vessels that move together are found in AIS reports, and no others", 
     // A ship that two others keep close to, and four that travel as one.
     CHECK(convoys.count({"311855000", "235070762", "235072757"}) == 1);
     CHECK(convoys.count({"232002939", "235070763", "234586000", "235061621"}) == 1);
+    const auto summary = nlohmann::json::parse(folder.read("out/summary.json"));
+    const auto& lineage = summary["cells"][0]["tables"]["groups.lineage"];
+    double largest = 0;
+    for (std::size_t c = 0; c < lineage["columns"].size(); ++c)
+        if (lineage["columns"][c]["name"] == "most_tracks")
+            for (const auto& line : lineage["rows"]) largest = std::max(largest, line[c].get<double>());
+    CHECK(largest == 4);
     for (const Row& row : rows_of(folder.read("out/groups.csv")))
         if (row.at("status") == "confirmed")
             CHECK(std::hypot(number(row, "velocity.x"), number(row, "velocity.y")) > 1);
