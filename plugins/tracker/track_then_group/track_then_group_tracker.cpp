@@ -160,6 +160,7 @@ bool TrackThenGroupTracker::is_moving(const Held& held, const Layout& layout) co
     return std::sqrt(squares) > *minimum_speed_ * (held.moves ? 1 - hysteresis_ : 1 + hysteresis_);
 }
 
+/// What can be linked, where it is at that time; a track that has gone beyond all numbers is nowhere.
 std::vector<Member> TrackThenGroupTracker::members_at(std::int64_t time, const Layout& layout) const {
     std::vector<Member> members;
     for (const auto& [id, held] : held_) {
@@ -167,7 +168,8 @@ std::vector<Member> TrackThenGroupTracker::members_at(std::int64_t time, const L
         Member member{id, position_at(held, time, layout), {}};
         for (std::size_t a = 0; a < layout.velocity.size(); ++a)
             member.velocity[a] = component(held.mean, layout.velocity[a]);
-        members.push_back(member);
+        const auto& p = member.position;
+        if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) members.push_back(member);
     }
     return members;
 }
