@@ -1,5 +1,6 @@
 // configs/crossing_clouds.yaml and configs/ais_convoys.yaml: groups that cross, and convoys in a recording, which is found through
 // PELORUS_DATA; without it that test says so and passes.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -7,6 +8,8 @@
 #include <map>
 #include <set>
 #include <sstream>
+
+#include <nlohmann/json.hpp>
 
 #include "../fixtures/temporary_folder.hpp"
 #include "../support/process.hpp"
@@ -82,6 +85,37 @@ TEST_CASE("Clouds that cross are one group for a while and part as who they were
     }
 }
 
+TEST_CASE("Clouds that cross as objects go on, or tell who absorbed whom and who came out of it") {
+    const TemporaryFolder folder;
+    for (const std::string seed : {"1", "2", "3", "4", "5"}) {
+        CAPTURE(seed);
+        const Ended ended =
+            pelorus_command({"run", std::string(PELORUS_SOURCE_DIR) + "/configs/crossing_clouds_group.yaml", "--seed",
+                             seed, "--out", folder / seed});
+        INFO(ended.err);
+        REQUIRE(ended.exit == 0);
+        std::map<std::string, Row> first, last;
+        for (const Row& row : rows_of(folder.read(seed + "/tracks.csv"))) {
+            first.emplace(row.at("id"), row);
+            last[row.at("id")] = row;
+        }
+        const auto crosses = [&](const std::string& id) {
+            return number(last.at(id), "position.y") * number(first.at(id), "position.y") < -300 * 300;
+        };
+        const bool both_go_on = last.size() == 2;
+        CHECK(crosses("1"));
+        CHECK(last.at("1").at("parents") == (both_go_on ? "" : "2"));
+        if (both_go_on) {
+            CHECK(crosses("2"));
+            CHECK(last.at("2").at("parents").empty());
+        } else {
+            REQUIRE(last.size() == 3);
+            CHECK(last.at("2").at("status") == "deleted");
+            CHECK(last.at("3").at("parents") == "1");
+        }
+    }
+}
+
 TEST_CASE("Vessels that move together are found in AIS reports, and no others", "[recording]") {
     const char* data = std::getenv("PELORUS_DATA");
     if (data == nullptr || !std::filesystem::exists(std::filesystem::path(data) / "SolentAIS_20160112_130211.csv")) {
@@ -111,6 +145,13 @@ TEST_CASE("Vessels that move together are found in AIS reports, and no others", 
     // A ship that two others keep close to, and four that travel as one.
     CHECK(convoys.count({"311855000", "235070762", "235072757"}) == 1);
     CHECK(convoys.count({"232002939", "235070763", "234586000", "235061621"}) == 1);
+    const auto summary = nlohmann::json::parse(folder.read("out/summary.json"));
+    const auto& lineage = summary["cells"][0]["tables"]["groups.lineage"];
+    double largest = 0;
+    for (std::size_t c = 0; c < lineage["columns"].size(); ++c)
+        if (lineage["columns"][c]["name"] == "most_tracks")
+            for (const auto& line : lineage["rows"]) largest = std::max(largest, line[c].get<double>());
+    CHECK(largest == 4);
     for (const Row& row : rows_of(folder.read("out/groups.csv")))
         if (row.at("status") == "confirmed")
             CHECK(std::hypot(number(row, "velocity.x"), number(row, "velocity.y")) > 1);

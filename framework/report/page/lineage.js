@@ -6,6 +6,13 @@ function lineageEvents(relatives) {
   return relatives.flatMap((relative) => relative.parents.filter(([parent]) => known.has(parent)).map(([parent, time]) => ({ time, parent, child: relative.id, isSplit: time <= relative.spans[0][0] })));
 }
 
+/** Where there are many, those that are nobody's parent nor child are left out. */
+function related(relatives) {
+  if (relatives.length <= 40) return relatives;
+  const parents = new Set(relatives.flatMap((relative) => relative.parents.map(([parent]) => parent)));
+  return relatives.filter((relative) => relative.parents.length || parents.has(relative.id));
+}
+
 function lineageTraces(relatives, events) {
   const row = new Map(relatives.map((relative, i) => [relative.id, i]));
   const there = { x: [], y: [], text: [] };
@@ -35,9 +42,9 @@ function showLineage(files) {
   const part = section("lineage", "Lineage", "Who came from whom: a line while a group or track was there, a link where one split off another or was absorbed by it. The larger part of a split keeps its name.");
   let chosen = told.find((file) => file.kind === "groups") || told[0];
   const plot = figure("lineage", 460, "", () => {
-    const relatives = chosen.lineage, events = lineageEvents(relatives), splits = events.filter((each) => each.isSplit).length;
-    const says = `${plural(relatives.length, chosen.kind === "groups" ? "group" : "track")} of ${chosen.name}: ${plural(splits, "split")}, ${plural(events.length - splits, "merger")}.`;
-    return { data: lineageTraces(relatives, events), says: "Lineage. " + says, caption: says, height: Math.min(1200, 160 + 20 * relatives.length),
+    const relatives = related(chosen.lineage), left = chosen.lineage.length - relatives.length, events = lineageEvents(relatives), splits = events.filter((each) => each.isSplit).length;
+    const says = `${plural(chosen.lineage.length, chosen.kind === "groups" ? "group" : "track")} of ${chosen.name}: ${plural(splits, "split")}, ${plural(events.length - splits, "merger")}${left ? `; ${left} without relatives are not drawn` : ""}.`;
+    return { data: lineageTraces(relatives, events), says: "Lineage. " + says, caption: says, height: Math.min(1600, 160 + 20 * relatives.length),
       layout: { hovermode: "closest", showlegend: true, xaxis: { title: { text: "time [s]" } },
         yaxis: { tickmode: "array", tickvals: relatives.map((_, i) => i), ticktext: relatives.map((relative) => relative.id), autorange: "reversed", zeroline: false } } };
   });
