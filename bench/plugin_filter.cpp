@@ -14,10 +14,12 @@ namespace {
 constexpr std::size_t scratch_bytes = std::size_t{1} << 20;
 constexpr std::int64_t doubles_of_measurement = sizeof(plain::Measurement) / sizeof(double);
 
-graph::Graph build(host::Catalog& catalog, int states, const std::string& estimator) {
+graph::Graph build(host::Catalog& catalog, int states, const std::string& estimator, const std::string& form) {
     const std::string folder = PELORUS_SOURCE_DIR "/bench/configs/";
-    const graph::Document document = graph::Document::load(
-        folder + (states == 9 ? "filter.yaml" : "filter_6_states.yaml"), {{"tracker.estimator.use", estimator}});
+    std::vector<graph::Override> overrides{{"tracker.estimator.use", estimator}};
+    if (!form.empty()) overrides.push_back({"tracker.estimator.form", form});
+    const graph::Document document =
+        graph::Document::load(folder + (states == 9 ? "filter.yaml" : "filter_6_states.yaml"), overrides);
     return graph::Graph::build(document, catalog, {});
 }
 
@@ -30,9 +32,9 @@ EstimatorPart estimator_of(const graph::Graph& graph, std::vector<plr_part>& mod
 
 }  // namespace
 
-PluginFilter::PluginFilter(std::size_t count, int states, const std::string& estimator)
+PluginFilter::PluginFilter(std::size_t count, int states, const std::string& estimator, const std::string& form)
     : catalog_({PELORUS_PLUGIN_DIR}),
-      graph_(build(catalog_, states, estimator)),
+      graph_(build(catalog_, states, estimator, form)),
       estimator_(estimator_of(graph_, models_)),
       count_(count),
       memory_(new unsigned char[scratch_bytes + 64]),

@@ -17,8 +17,10 @@ namespace pelorus::bench {
 
 class PluginFilter {
 public:
-    /// For batches of `count` tracks. Throws Error where the config cannot be built.
-    PluginFilter(std::size_t count, int states, const std::string& estimator = "estimator.kalman");
+    /// For batches of `count` tracks; `form` is the estimator's parameter of that name, or nothing: its default. Throws Error where
+    /// the config cannot be built.
+    PluginFilter(std::size_t count, int states, const std::string& estimator = "estimator.kalman",
+                 const std::string& form = {});
     PluginFilter(const PluginFilter&) = delete;
     PluginFilter& operator=(const PluginFilter&) = delete;
 

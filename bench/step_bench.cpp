@@ -36,7 +36,8 @@ template <int B> struct Tracks {
     }
     /// A filter and its records of the tracks at the start.
     struct Filter {
-        explicit Filter(const std::string& estimator) : plugin(tracks, n, estimator), records(start().size()) {
+        Filter(const std::string& estimator, const std::string& form)
+            : plugin(tracks, n, estimator, form), records(start().size()) {
             if (!plugin.assign(start().data(), records.data())) throw std::runtime_error(plugin.failure());
         }
         PluginFilter plugin;
@@ -44,10 +45,10 @@ template <int B> struct Tracks {
     };
 
     /// The step by an estimator that keeps records of this size.
-    static void by(const std::string& estimator, plain::Sensor sensor, Answers& out) {
+    static void by(const std::string& estimator, plain::Sensor sensor, Answers& out, const std::string& form = {}) {
         static std::map<std::string, std::unique_ptr<Filter>> made;  // when first asked for: loading takes a while
-        auto& filter = made[estimator];
-        if (filter == nullptr) filter = std::make_unique<Filter>(estimator);
+        auto& filter = made[estimator + form];
+        if (filter == nullptr) filter = std::make_unique<Filter>(estimator, form);
         double* const record = out.record.data();
         if (!filter->plugin.predict(filter->records.data(), record, dt) ||
             !filter->plugin.update(sensor, record, scenario().measurements(sensor), record, out.log_likelihood.data()))
@@ -196,7 +197,13 @@ template <int B> void add_all() {
         add<B>(name + "dense", dense);
         add_ratio<B>(name + "dense_to_plugin", dense, plugin);
         if (sensor == plain::Sensor::spherical) {
-            for (const std::string rule : {"cubature", "unscented"}) {
+            const auto roots = [sensor](Answers& out) {
+                Tracks<B>::by("estimator.kalman", sensor, out, "square_root");
+            };
+            add<B>(name + "square_root", roots);
+            add_ratio<B>(name + "square_root_to_plugin", roots, plugin, std::nullopt);
+            for (const std::string rule : {"cubature", "unscented", "gauss_hermite"}) {
+                if (B == 3 && rule == "gauss_hermite") continue;  // 3^9 points are refused
                 const auto points = [sensor, rule](Answers& out) { Tracks<B>::by("estimator." + rule, sensor, out); };
                 add<B>(name + rule, points);
                 add_ratio<B>(name + rule + "_to_plugin", points, plugin, std::nullopt);

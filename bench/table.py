@@ -64,7 +64,8 @@ def step_rows(figures):
     for states in (6, 9):
         for sensor in ("position", "spherical"):
             path = f"step/{states}_states/{sensor}/"
-            sides = [side for side in ("plugin", "dense", "kernels", "copies", "cubature", "unscented") if path + side in figures.runs]
+            sides = [side for side in ("plugin", "dense", "kernels", "copies", "square_root", "cubature", "unscented",
+                                    "gauss_hermite") if path + side in figures.runs]
             if "plugin" not in sides:
                 continue
             what = f"{states} states, predict + update, {sensor} sensor"
@@ -72,7 +73,8 @@ def step_rows(figures):
             yield (f"1000 tracks, {what}", ", ".join(f"{side} {time:.0f} us" for side, time in times.items()) +
                    f"; plugin {1e3 / times['plugin']:.1f} million steps/s", figures.spread(path + "plugin", "cpu_time"), "")
             for side, other, target in (("dense", "plugin", "at least 4"), ("plugin", "kernels", ""),
-                                        ("cubature", "plugin", "at most 3"), ("unscented", "plugin", "")):
+                                        ("cubature", "plugin", "at most 3"), ("unscented", "plugin", ""),
+                                        ("gauss_hermite", "plugin", ""), ("square_root", "plugin", "")):
                 if (ratio := f"{path}{side}_to_{other}") in figures.runs:
                     yield (f"{side} / {other}, {what}", f"{figures.median(ratio, 'ratio'):.2f}",
                            figures.spread(ratio, "ratio"), target)

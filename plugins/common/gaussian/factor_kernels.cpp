@@ -2,7 +2,7 @@
 
 namespace gaussian {
 
-// state_lanes.cpp and look_lanes.cpp, once for each instruction set.
+// state_lanes.cpp and its neighbours, once for each instruction set.
 namespace baseline {
 extern const FactorKernels kernels;
 }

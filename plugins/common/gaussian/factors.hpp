@@ -1,6 +1,6 @@
 /// Factors of covariances, one by one: what makes them grow. Those of batches are in plugins/common/lanes/factors.hpp.
 ///
-/// Arrays are packed, column-major and the caller's. N (or M) is the size where it is known at compile time, so that loops are
+/// Arrays are packed, column-major and the caller's. N is the size where it is known at compile time, so that loops are
 /// unrolled, and 0 where the run-time size counts, up to max_n. [worker, concurrent] [hot]: no allocation, no exception.
 #pragma once
 
