@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "host/error.hpp"
+#include "report/lineage.hpp"
 #include "report/terminal_table.hpp"
 
 namespace pelorus::report {
@@ -65,6 +66,7 @@ struct Entry {
     double time = 0;
     std::string id;
     std::vector<double> position, extent;
+    std::string parents, group;  ///< of tracks
 };
 
 class Table {
@@ -74,6 +76,8 @@ public:
           width_(header.size()),
           time_(column_of(header, "time")),
           id_(column_of(header, "id")),
+          parents_(column_of(header, "parents")),
+          group_(column_of(header, "group")),
           position_(columns_of(header, {"position.x", "position.y", "position.z"})),
           extent_(columns_of(header, {"extent.xx", "extent.xy", "extent.xz", "extent.yy", "extent.yz", "extent.zz"})) {}
 
@@ -87,7 +91,8 @@ public:
             throw Error(Exit::run_failed, fmt::format("{}:{}: expected {} fields, got {}; the file is damaged",
                                                       file_.string(), number, width_, fields.size()));
         const auto read = [&](int column) { return number_of(fields[static_cast<std::size_t>(column)], number); };
-        Entry entry{read(time_), fields[static_cast<std::size_t>(id_)], {}, {}};
+        const auto text = [&](int column) { return column < 0 ? "" : fields[static_cast<std::size_t>(column)]; };
+        Entry entry{read(time_), text(id_), {}, {}, text(parents_), text(group_)};
         for (const int column : position_) entry.position.push_back(read(column));
         if (has_extent())
             for (const int column : extent_) entry.extent.push_back(read(column));
@@ -107,7 +112,7 @@ private:
 
     fs::path file_;
     std::size_t width_;
-    int time_, id_;
+    int time_, id_, parents_, group_;
     std::vector<int> position_, extent_;
 };
 
@@ -128,6 +133,25 @@ std::set<double> kept_times(const std::set<double>& times, std::size_t every) {
     return kept;
 }
 
+Json lineage_of(const std::string& kind, const std::vector<Entry>& entries) {
+    if (kind != "tracks") return nullptr;
+    std::vector<Sighting> sightings;
+    for (const Entry& entry : entries) sightings.push_back({entry.time, entry.id, entry.parents});
+    std::stable_sort(sightings.begin(), sightings.end(),
+                     [](const Sighting& a, const Sighting& b) { return a.time < b.time; });
+    return lineage_json(sightings);
+}
+
+/// Tables of tracks to which another one's column `group` leads are tables of groups.
+void find_groups(Json& scene, const std::vector<std::set<std::string>>& ids,
+                 const std::vector<std::set<std::string>>& groups) {
+    for (std::size_t i = 0; i < scene.size(); ++i)
+        for (std::size_t j = 0; j < scene.size(); ++j)
+            if (i != j && scene[i]["kind"] == "tracks" && !groups[j].empty() &&
+                std::includes(ids[i].begin(), ids[i].end(), groups[j].begin(), groups[j].end()))
+                scene[i]["kind"] = "groups";
+}
+
 Json table_json(const fs::path& file, const std::string& kind, const Table& table, const std::vector<Entry>& entries) {
     std::set<double> times;
     for (const Entry& entry : entries) times.insert(entry.time);
@@ -140,7 +164,8 @@ Json table_json(const fs::path& file, const std::string& kind, const Table& tabl
               {"time", Json::array()},
               {"id", Json::array()},
               {"position", Json(table.axes(), Json::array())},
-              {"extent", nullptr}};
+              {"extent", nullptr},
+              {"lineage", lineage_of(kind, entries)}};
     if (table.has_extent()) told["extent"] = Json::array();
     for (const Entry& entry : entries) {
         if (kept.count(entry.time) == 0 ||
@@ -159,6 +184,7 @@ Json table_json(const fs::path& file, const std::string& kind, const Table& tabl
 
 Json read_scene(const fs::path& folder) {
     Json scene = Json::array();
+    std::vector<std::set<std::string>> ids, groups;  // of each table
     for (const std::string& name : file_names(folder)) {
         if (fs::path(name).extension() != ".csv") continue;
         const fs::path file = folder / name;
@@ -175,7 +201,14 @@ Json read_scene(const fs::path& folder) {
             if (std::isfinite(entry.time)) entries.push_back(std::move(entry));
         }
         scene.push_back(table_json(file, kind, table, entries));
+        ids.emplace_back();
+        groups.emplace_back();
+        for (const Entry& entry : entries) {
+            ids.back().insert(entry.id);
+            if (!entry.group.empty()) groups.back().insert(entry.group);
+        }
     }
+    find_groups(scene, ids, groups);
     return scene;
 }
 

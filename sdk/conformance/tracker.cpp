@@ -181,6 +181,11 @@ std::size_t sensors_of(const Bench& bench) {
     return sensors;
 }
 
+/// What is said of scans binds those that take some. Who groups the tracks of another tracker has them from there.
+void needs_scans(const Bench& bench) {
+    if (sensors_of(bench) == 0) skip("it takes no scans: it tells tracks of other trackers");
+}
+
 }  // namespace
 
 PELORUS_CHECK(tracker, "tracker-no-data-no-track", 3, "Empty scans give no tracks: a tracker tells what it has seen.",
@@ -192,6 +197,7 @@ PELORUS_CHECK(tracker, "tracker-no-data-no-track", 3, "Empty scans give no track
 PELORUS_CHECK(tracker, "tracker-follows-a-target", 3,
               "One target that is seen in every scan becomes one confirmed track, which stays with it.",
               {"tracker-no-data-no-track"}) {
+    needs_scans(bench);
     constexpr std::int64_t ticks = 20;
     const Tracked tracked(bench, quiet(1, ticks), bench.sample());
     std::set<std::uint64_t> late;
@@ -339,6 +345,7 @@ PELORUS_CHECK(tracker, "tracker-names-real-measurements", 3,
               "The measurements that a track says it used have come in; distances are not negative and weights lie "
               "between 0 and 1.",
               {"tracker-no-data-no-track"}) {
+    needs_scans(bench);
     FeedOptions options;
     options.ticks = 20;
     const Tracked tracked(bench, options, bench.sample());

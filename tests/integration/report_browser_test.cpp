@@ -114,6 +114,22 @@ TEST_CASE("a report has all of its sections, and the page says when it is drawn"
     CHECK_THAT(document, Contains("<canvas"));
 }
 
+TEST_CASE("groups are drawn with their lineage", "[release-only]") {
+    if (!has_browser()) return;
+    TemporaryFolder folder;
+    must(folder, {"run", PELORUS_SOURCE_DIR "/configs/crossing_clouds.yaml", "--out", "out"});
+    must(folder, {"report", "out", "--out", "page.html"});
+    const std::string document = browse(folder, {"--dump-dom"}, "page.html").out;
+    CHECK_THAT(document, Contains("data-ready=\"yes\""));
+    CHECK_THAT(document, Contains("<section id=\"lineage\" aria-labelledby"));
+    CHECK_THAT(document, Contains("aria-label=\"Lineage. 2 groups of groups.csv: 0 splits, 1 merger.\""));
+    CHECK_THAT(document, Contains("10 objects, 10 tracks, 1 group, "));
+    CHECK_THAT(document, Contains("extent of groups"));
+    // The number of groups over time lies over the true one.
+    CHECK_THAT(document, Contains("groups over time") && Contains(">truth</text>"));
+    CHECK(screenshot(folder, "page.html#theme=light", 1440).colours() > 100);
+}
+
 TEST_CASE("plots are written as images for papers", "[release-only]") {
     if (!has_browser()) return;
     must(result(), {"report", "out", "--out", "plots.html", "--plot", "png", "--plot", "svg"});

@@ -85,6 +85,27 @@ TEST_CASE("a report holds the whole summary, and what it was made from") {
     CHECK(scene[2]["time"].size() == 20);
 }
 
+TEST_CASE("tables of groups are told from those of tracks, with their lineage") {
+    const TemporaryFolder folder;
+    must(folder, {"run", PELORUS_SOURCE_DIR "/configs/crossing_clouds.yaml", "--out", "out"});
+    const std::string page = page_of(folder, "out");
+    const Json scene = block(page, "scene");
+    REQUIRE(scene.size() == 3);
+    CHECK(scene[0]["name"] == "groups.csv");
+    CHECK(scene[0]["kind"] == "groups");
+    CHECK(scene[0]["extent"].size() == 3);
+    CHECK(scene[1]["kind"] == "tracks");
+    CHECK(scene[1]["lineage"].is_null());
+    CHECK(scene[2]["kind"] == "truth");
+    const Json lineage = scene[0]["lineage"];
+    REQUIRE(lineage.size() == 2);
+    CHECK(lineage[0]["id"] == "1");
+    CHECK(lineage[0]["spans"].size() == 1);
+    CHECK(lineage[0]["parents"][0][0] == "2");
+    CHECK(lineage[1]["spans"].size() == 2);
+    CHECK(lineage[1]["spans"][1][1] == 180);
+}
+
 TEST_CASE("a report loads nothing, and forbids it") {
     const std::string page = without_library(page_of(campaign(), "out"));
     CHECK_THAT(page, Contains("default-src 'none'"));

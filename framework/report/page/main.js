@@ -7,7 +7,7 @@ function head(title, lead, facts) {
 }
 
 function showReport(page) {
-  const summary = data("summary"), provenance = data("provenance"), beside = data("beside"), cells = summary.cells;
+  const summary = data("summary"), provenance = data("provenance"), beside = data("beside"), scene = data("scene", []), cells = summary.cells;
   const grid = gridOf(cells);
   const runs = cells.reduce((sum, cell) => sum + cell.runs, 0), failed = cells.reduce((sum, cell) => sum + (cell.failed || 0), 0);
   const facts = [["Variants", String(grid.variants.length)], ["Grid points", String(grid.points.length)], ["Runs", runs.toLocaleString("en")]];
@@ -20,7 +20,8 @@ function showReport(page) {
   if (beside) showExpected(beside);
   if (cells.length) showGrid(cells);
   showTime(cells);
-  showScene(data("scene", []), cells.length > 1 || runs > 1 ? "Run 0 of the first cell." : "The run.");
+  showScene(scene, cells.length > 1 || runs > 1 ? "Run 0 of the first cell." : "The run.");
+  showLineage(scene);
   showHistograms(cells, data("samples"));
   showProvenance(provenance, data("timing"), page.notes);
 }

@@ -31,17 +31,18 @@ class Scene {
     this.flat = files.every((file) => file.position.length < 3);
     this.axes = this.flat ? ["x", "y"] : ["x", "y", "z"];
     this.kinds = {};
-    for (const kind of ["truth", "tracks", "scans"]) {
+    for (const kind of ["truth", "tracks", "groups", "scans"]) {
       const all = entriesOf(files, kind);
       if (!this.flat) for (const entry of all) if (entry.centre.length === 2) entry.centre.push(0);
       this.kinds[kind] = { all, byTime: byTime(all) };
     }
-    const leading = ["tracks", "truth", "scans"].find((kind) => this.kinds[kind].all.length);
+    const leading = ["tracks", "truth", "groups", "scans"].find((kind) => this.kinds[kind].all.length);
     this.times = [...new Set([...this.kinds[leading].byTime.keys(), ...this.kinds.truth.byTime.keys()])].sort((a, b) => a - b);
     this.at = Math.min(this.times.length - 1, Math.floor(this.times.length / 2));
-    this.hasExtents = ["truth", "tracks"].some((kind) => this.kinds[kind].all.some((entry) => root(entry.extent)));
+    this.hasExtents = ["truth", "tracks", "groups"].some((kind) => this.kinds[kind].all.some((entry) => root(entry.extent)));
     this.followed = this.hasExtents ? "nearest" : "all";
-    const ids = ["truth", "tracks"].map((kind) => unique(this.kinds[kind].all.map((entry) => entry.id)).slice(0, 50).map((id) => ({ value: kind + " " + id, text: (kind === "truth" ? "object " : "track ") + id })));
+    const nouns = { groups: "group ", truth: "object ", tracks: "track " };
+    const ids = Object.keys(nouns).map((kind) => unique(this.kinds[kind].all.map((entry) => entry.id)).slice(0, 50).map((id) => ({ value: kind + " " + id, text: nouns[kind] + id })));
     this.choices = [{ value: "all", text: "the whole scene" }, ...ids.flat()];
     if (this.hasExtents) this.followed = this.choices[1].value;
   }
@@ -56,12 +57,13 @@ class Scene {
     const time = this.times[this.at];
     const nearest = path.reduce((best, entry) => (Math.abs(entry.time - time) < Math.abs(best.time - time) ? entry : best), path[0]);
     const sizes = this.kinds[kind].all.filter((entry) => root(entry.extent)).map((entry) => reach(entry.extent)).sort((a, b) => a - b);
-    const half = sizes.length ? 1.7 * sizes[Math.floor(sizes.length / 2)] : this.span() / 20;
+    const own = nearest && root(nearest.extent) ? 2 * reach(nearest.extent) : 0;  // groups are of many sizes
+    const half = kind === "groups" && own ? own : sizes.length ? 1.7 * sizes[Math.floor(sizes.length / 2)] : this.span() / 20;
     return nearest && { centre: nearest.centre, half };
   }
 
   span() {
-    const all = [...this.kinds.truth.all, ...this.kinds.tracks.all, ...this.kinds.scans.all];
+    const all = Object.values(this.kinds).flatMap((kind) => kind.all);
     return Math.max(1e-9, ...this.axes.map((_, a) => all.reduce((m, e) => Math.max(m, e.centre[a]), -Infinity) - all.reduce((m, e) => Math.min(m, e.centre[a]), Infinity)));
   }
 
@@ -75,10 +77,11 @@ class Scene {
     dots("measurements", this.now("scans"), hue(1), this.flat ? 6 : 4, "circle");
     dots("truth now", this.now("truth"), hue(2), this.flat ? 9 : 6, "diamond");
     dots("tracks now", this.now("tracks"), hue(0), this.flat ? 9 : 6, "square");
-    for (const [name, kind, colour] of [["true extent", "truth", hue(2)], ["estimated extent", "tracks", hue(0)]]) {
+    dots("groups now", this.now("groups"), hue(3), this.flat ? 9 : 6, "cross");
+    for (const [name, kind, colour] of [["true extent", "truth", hue(2)], ["estimated extent", "tracks", hue(0)], ["extent of groups", "groups", hue(3)]]) {
       const shown = this.now(kind).filter((entry) => entry.extent).slice(0, 200);
       if (this.flat) made.push({ type, mode: "lines", name, ...outlines(shown), fill: "toself", fillcolor: faint(colour, 0.2), line: { color: colour, width: 1.5 }, hoverinfo: "skip", showlegend: shown.length > 0 });
-      else made.push({ type: "mesh3d", name, ...surfaces(shown), color: colour, opacity: kind === "truth" ? 0.28 : 0.4, hoverinfo: "skip", showlegend: shown.length > 0, flatshading: false, lighting: { ambient: 0.7, diffuse: 0.6, specular: 0.2 } });
+      else made.push({ type: "mesh3d", name, ...surfaces(shown), color: colour, opacity: kind === "tracks" ? 0.4 : 0.28, hoverinfo: "skip", showlegend: shown.length > 0, flatshading: false, lighting: { ambient: 0.7, diffuse: 0.6, specular: 0.2 } });
     }
     return made;
   }
@@ -95,7 +98,7 @@ class Scene {
   /** To scale, unless a path is so flat that nothing could be seen. */
   aspect(around) {
     if (around) return { aspectmode: "cube" };
-    const all = [...this.kinds.truth.all, ...this.kinds.tracks.all];
+    const all = [...this.kinds.truth.all, ...this.kinds.tracks.all, ...this.kinds.groups.all];
     const spans = this.axes.map((_, a) => all.reduce((m, e) => Math.max(m, e.centre[a]), -Infinity) - all.reduce((m, e) => Math.min(m, e.centre[a]), Infinity));
     const most = Math.max(...spans, 1e-9), ratio = spans.map((s) => Math.max(0.3, s / most));
     this.stretched = spans.some((s) => s / most < 0.3);
@@ -112,7 +115,8 @@ function showScene(files, about) {
   if (!drawable.length) return;
   const part = section("scene", "Scene", `${about} Drag to turn, pinch or use the buttons to zoom. ${sceneNotes(files)}`);
   const scene = new Scene(drawable);
-  const says = () => `At ${number(scene.times[scene.at], 6)} s: ${plural(scene.now("truth").length, "object")}, ${plural(scene.now("tracks").length, "track")}, ${plural(scene.now("scans").length, "measurement")}.` +
+  const says = () => `At ${number(scene.times[scene.at], 6)} s: ${plural(scene.now("truth").length, "object")}, ${plural(scene.now("tracks").length, "track")}, ` +
+    (scene.kinds.groups.all.length ? plural(scene.now("groups").length, "group") + ", " : "") + `${plural(scene.now("scans").length, "measurement")}.` +
     (scene.window() || !scene.stretched ? "" : " The axes are not to one scale.");
   const plot = figure("scene", 560, "", () => {
     const layout = scene.layout();

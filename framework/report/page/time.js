@@ -1,6 +1,6 @@
 // Columns of tables over their time column, for all variants, with bounds where the table has them.
 
-/** Tables by name and columns that can be drawn over time: `NAME_lower` and `NAME_upper` are bounds of NAME, no columns of their own. */
+/** Tables by name and columns that can be drawn over time: `NAME_lower` and `NAME_upper` are bounds of NAME, `true_NAME` is what it should be; none is a column of its own. */
 function timeColumns(cells) {
   const found = new Map();
   for (const cell of cells)
@@ -9,6 +9,7 @@ function timeColumns(cells) {
       if (!names.includes("time") || table.rows.length < 2) continue;
       for (const column of table.columns) {
         if (column.name === "time" || /_(lower|upper)$/.test(column.name)) continue;
+        if (column.name.startsWith("true_") && names.includes(column.name.slice(5))) continue;
         const key = JSON.stringify([column.name, column.unit]);
         if (!found.has(key)) found.set(key, { name: column.name, unit: column.unit, tables: new Set() });
         found.get(key).tables.add(name);
@@ -24,7 +25,7 @@ function columnOf(table, name) {
 
 function timeTraces(cells, column) {
   const traces = [];
-  let line = 0, bounded = false;
+  let line = 0, bounded = false, held = false;
   for (const cell of cells)
     for (const name of column.tables) {
       const table = cell.tables[name], y = columnOf(table, column.name), x = columnOf(table, "time");
@@ -38,6 +39,11 @@ function timeTraces(cells, column) {
       }
       traces.push({ type: "scatter", mode: "lines", name: plain(label), x, y, line: { color: hue(line), dash: dash(line), width: 1.8 }, hovertemplate: "%{x:.5g} s: %{y:.4g}" });
       line += 1;
+      const truth = columnOf(table, "true_" + column.name);
+      if (truth && !held) {  // variants have the same truth
+        held = true;
+        traces.push({ type: "scatter", mode: "lines", name: "truth", x, y: truth, line: { color: colour("quiet"), dash: "dot", width: 2.4 }, hovertemplate: "%{x:.5g} s: %{y:.4g}" });
+      }
     }
   return { traces, bounded };
 }

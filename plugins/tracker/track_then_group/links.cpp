@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+
+#include <pelorus/matrix.hpp>
 
 #include "../../common/assignment/clusters.hpp"
+#include "../../common/partition/grid.hpp"
 
 namespace track_then_group {
 
@@ -25,33 +27,29 @@ std::size_t place_of(const std::vector<Member>& members, std::uint64_t id) {
     return at != members.end() && at->id == id ? static_cast<std::size_t>(at - members.begin()) : nobody;
 }
 
-std::size_t longest_axis(const std::vector<Member>& members) {
-    std::size_t best = 0;
-    double longest = -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const auto [least, most] =
-            std::minmax_element(members.begin(), members.end(),
-                                [&](const Member& a, const Member& b) { return a.position[k] < b.position[k]; });
-        if (const double span = most->position[k] - least->position[k]; span > longest) longest = span, best = k;
-    }
-    return best;
-}
-
 }  // namespace
 
 std::vector<IndexPair> near_pairs(const std::vector<Member>& members, double distance) {
     std::vector<IndexPair> pairs;
     if (members.size() < 2) return pairs;
-    const std::size_t axis = longest_axis(members);
-    const auto along = [&](std::size_t i) { return members[i].position[axis]; };
-    std::vector<std::size_t> order(members.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return along(a) != along(b) ? along(a) < along(b) : a < b; });
-    for (std::size_t i = 0; i < order.size(); ++i)
-        for (std::size_t j = i + 1; j < order.size() && along(order[j]) - along(order[i]) < distance; ++j)
-            if (squared_distance(members[order[i]].position, members[order[j]].position) < distance * distance)
-                pairs.push_back(std::minmax(order[i], order[j]));
+    std::vector<double> places;
+    for (const Member& member : members) places.insert(places.end(), member.position.begin(), member.position.end());
+    const auto count = static_cast<std::int64_t>(members.size());
+    std::vector<unsigned char> block(partition::Grid<3>::need().bytes(count));
+    partition::Memory memory(block.data(), block.size());
+    const partition::Grid<3> grid(memory, pelorus::const_view(places.data(), 3, 1, count), distance);
+    const auto compare = [&](std::uint32_t k, std::uint32_t other) {
+        const std::size_t a = grid.point(k), b = grid.point(other);
+        if (squared_distance(members[a].position, members[b].position) < distance * distance)
+            pairs.push_back(std::minmax(a, b));
+    };
+    for (std::uint32_t cell = 0; cell < grid.cell_count(); ++cell)
+        for (std::uint32_t k = grid.begin(cell); k < grid.end(cell); ++k)
+            for (std::uint32_t other = k + 1; other < grid.end(cell); ++other) compare(k, other);
+    grid.for_near_cells(0, grid.cell_count(), [&](std::uint32_t cell, std::uint32_t near) {
+        for (std::uint32_t k = grid.begin(cell); k < grid.end(cell); ++k)
+            for (std::uint32_t other = grid.begin(near); other < grid.end(near); ++other) compare(k, other);
+    });
     std::sort(pairs.begin(), pairs.end());
     return pairs;
 }

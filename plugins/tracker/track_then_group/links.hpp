@@ -26,7 +26,8 @@ struct LinkRule {
 /// Indices of two members, the first less than the second.
 using IndexPair = std::pair<std::size_t, std::size_t>;
 
-/// All pairs less than `distance` apart, ascending. A sweep along the longest axis: exact whatever the range of the numbers.
+/// All pairs less than `distance` (1e-9 m to 1e15 m) apart, ascending: exact whatever the range of the numbers, by the grid of the
+/// partition by distance.
 std::vector<IndexPair> near_pairs(const std::vector<Member>& members, double distance);
 
 /// The pairs that are linked now, and what is remembered of the others: a pair links when it is nearer than (1 - h) of the

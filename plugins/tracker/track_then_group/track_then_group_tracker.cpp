@@ -59,13 +59,15 @@ void TrackThenGroupTracker::describe(pelorus::Describe<TrackThenGroupTracker>& p
             "after the time of persistence; groups: connected components; extent = (d + 2) S + r^2 I, S the scatter of "
             "the n members about their mean, divided by n")
         .source(
-            "Y. Han, Y. Zhou, Journal of Ordnance Equipment Engineering 41(12), 2020 (distance linkage); H. Jeung, M. "
+            "L. Han, L. Zhou, Journal of Ordnance Equipment Engineering 41(12), 240-246, 2020 (distance linkage); H. "
+            "Jeung, M. "
             "L. Yiu, X. Zhou, C. S. Jensen, H. T. Shen, Discovery of Convoys in Trajectory Databases, PVLDB 1(1), "
             "2008 (objects together for a time); D. Greene, D. Doyle, P. Cunningham, Tracking the Evolution of "
             "Communities in Dynamic Social Networks, ASONAM 2010 (which group goes on in which)");
     plugin.parameter("threshold", &TrackThenGroupTracker::threshold_)
         .unit("m")
-        .above(0.0)
+        .min(1e-6)
+        .max(1e14)
         .doc("d0: tracks less than so far apart belong together");
     plugin.parameter("hysteresis", &TrackThenGroupTracker::hysteresis_)
         .initially("10 %")
@@ -113,7 +115,7 @@ void TrackThenGroupTracker::setup(const pelorus::Setup& setup) {
 
 std::vector<pelorus::Stream> TrackThenGroupTracker::in_streams(std::uint32_t) const {
     pelorus::Stream stream;
-    stream.space = pelorus::position_space(1);
+    stream.space = needs_velocity() ? pelorus::kinematic_space(1, {0.0, 0.0}) : pelorus::position_space(1);
     stream.frame = frame_;
     stream.at_least = true;
     return {stream};
@@ -121,7 +123,7 @@ std::vector<pelorus::Stream> TrackThenGroupTracker::in_streams(std::uint32_t) co
 
 void TrackThenGroupTracker::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
     const Layout layout = layout_of(*tracks.space);
-    if ((velocity_threshold_ || minimum_speed_) && layout.velocity.empty())
+    if (needs_velocity() && layout.velocity.empty())
         throw pelorus::DataError("tracks tell no velocity, which velocity_threshold and minimum_speed ask for");
     const auto size = static_cast<std::size_t>(tracks.space->size);
     if (!held_.empty() && held_.begin()->second.mean.size() != size)
@@ -158,6 +160,7 @@ bool TrackThenGroupTracker::is_moving(const Held& held, const Layout& layout) co
     return std::sqrt(squares) > *minimum_speed_ * (held.moves ? 1 - hysteresis_ : 1 + hysteresis_);
 }
 
+/// What can be linked, where it is at that time; a track that has gone beyond all numbers is nowhere.
 std::vector<Member> TrackThenGroupTracker::members_at(std::int64_t time, const Layout& layout) const {
     std::vector<Member> members;
     for (const auto& [id, held] : held_) {
@@ -165,7 +168,8 @@ std::vector<Member> TrackThenGroupTracker::members_at(std::int64_t time, const L
         Member member{id, position_at(held, time, layout), {}};
         for (std::size_t a = 0; a < layout.velocity.size(); ++a)
             member.velocity[a] = component(held.mean, layout.velocity[a]);
-        members.push_back(member);
+        const auto& p = member.position;
+        if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) members.push_back(member);
     }
     return members;
 }

@@ -53,6 +53,7 @@ public:
     template <class Archive> void state(Archive& archive) { archive(held_, told_, links_, lineage_, newest_); }
 
 private:
+    bool needs_velocity() const noexcept { return velocity_threshold_ || minimum_speed_; }
     void take(const plr_tracks& tracks, const Layout& layout);
     bool is_moving(const Held& held, const Layout& layout) const;
     std::vector<Member> members_at(std::int64_t time, const Layout& layout) const;
