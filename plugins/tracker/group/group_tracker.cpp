@@ -196,7 +196,9 @@ void GroupTracker::miss(Track& track, const Sighting& sighting) {
     ++track.misses;
     track.is_lost = track.misses >= misses_to_delete;
     try {
-        const auto distances = filter_->distances(caller_, look_at(track), sighting.points, track.records);
+        std::vector<double> distances;
+        if (sighting.points.count() > 0)
+            distances = filter_->distances(caller_, look_at(track), sighting.points, track.records);
         if (const std::uint64_t owner = owner_of_nearest(sighting, distances, gate_)) track.absorber = owner;
     } catch (const pelorus::Failure& failure) {
         give_up(track, failure);
