@@ -6,6 +6,7 @@ marks.
 """
 import argparse
 import json
+import math
 import os
 import pathlib
 import re
@@ -25,7 +26,8 @@ class Figures:
             if run.get("error_occurred"):
                 raise SystemExit(f"table.py: {run['name']} failed: {run['error_message']}")
             if run["run_type"] == "iteration":
-                self.runs.setdefault(run["run_name"].removesuffix("/manual_time"), []).append(run)
+                name = re.sub(r"/(manual_time|repeats:\d+)", "", run["run_name"])
+                self.runs.setdefault(name, []).append(run)
 
     def values(self, name, key):
         return [run[key] for run in self.runs[name]]
@@ -115,6 +117,27 @@ def graph_rows(figures):
                    figures.spread(path, "scans_per_second"), "")
 
 
+def partition_rows(figures):
+    for name, what, target in (("uniform", "3 neighbours each", "at most 0.3, 4, 60 ms; 1.2"),
+                               ("clumped", "clumps of 1000", "1.2"), ("ball", "all in one ball", "1.2")):
+        sizes = [10**k for k in range(3, 7) if f"partition/{name}/plugin/{10**k}" in figures.runs]
+        if not sizes:
+            continue
+        times = {size: figures.median(f"partition/{name}/plugin/{size}", "cpu_time") for size in sizes}
+        told = ", ".join(f"1e{len(str(size)) - 1} {time:.3g} ms" for size, time in times.items())
+        if len(sizes) > 1:
+            growth = math.log(times[sizes[-1]] / times[sizes[0]]) / math.log(sizes[-1] / sizes[0])
+            told += f"; grows as m^{growth:.2f}"
+        yield (f"distance partition in space, {what}", told,
+               figures.spread(f"partition/{name}/plugin/{sizes[-1]}", "cpu_time"), target)
+        others = [size for size in sizes if f"partition/{name}/nanoflann/{size}" in figures.runs]
+        if others:
+            ratios = [figures.median(f"partition/{name}/nanoflann/{size}", "cpu_time") / times[size] for size in others]
+            yield (f"nanoflann's radius search with union-find / plugin, {what}",
+                   ", ".join(f"1e{len(str(size)) - 1} {float(f'{ratio:.3g}'):g}" for size, ratio in zip(others, ratios)), None,
+                   "at least 1")
+
+
 def table(rows):
     lines = ["| What | Median | Spread | Target |", "| --- | --- | --- | --- |"]
     for what, result, spread, target in rows:
@@ -160,7 +183,8 @@ def main():
     parser.add_argument("--write", type=pathlib.Path)
     arguments = parser.parse_args()
     figures = Figures(json.loads(arguments.figures.read_text()))
-    rows = [*filter_rows(figures), *step_rows(figures), *process_rows(figures), *campaign_rows(figures), *graph_rows(figures)]
+    rows = [*filter_rows(figures), *step_rows(figures), *process_rows(figures), *campaign_rows(figures), *graph_rows(figures),
+            *partition_rows(figures)]
     text = f"{machine(figures, arguments.build)}\n\n{table(rows)}"
     print(text)
     if arguments.write:

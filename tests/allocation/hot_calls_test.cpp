@@ -414,6 +414,10 @@ TEST_CASE("hot calls of all models allocate nothing", "[release-only]") {
                                 "{use: extent.random_matrix, with: {innovation_spread: symmetrised}}"),
                  with_estimator("{use: motion.constant_acceleration}",
                                 "{use: extent.random_matrix, with: {innovation_spread: feldmann}}"),
+                 with_estimator("{use: motion.ballistic, with: {maneuver_rate: 0.1, noise_over_extent: 0.01}}",
+                                "{use: extent.group_random_matrix}"),
+                 with_estimator("{use: motion.ballistic, with: {integration: held, acceleration: 0.02}}",
+                                "{use: extent.random_matrix}"),
                  airship("      extent: {use: extent.random_matrix, with: {update: koch}, parts: {motion: "
                          "{use: motion.singer}, sensors: {radar: {like: world.sensors.radar}, "
                          "dish: {like: world.sensors.dish}}}}\n"));

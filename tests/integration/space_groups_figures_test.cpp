@@ -12,6 +12,12 @@ Band band_of(const std::string&, const std::string& scalar) {
     return {0.15, scalar.find("count_at") != std::string::npos ? 0.1 : 0.5};
 }
 
+/// Files of tracks are left out.
+Json space_cells(const std::string& name, std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--set", "files=~"});
+    return cells_of(name, flags);
+}
+
 double ratio(const Json& cells, const std::string& scalar) {
     return value(cell_of(cells, "joint"), scalar) / value(cell_of(cells, "distance"), scalar);
 }
@@ -37,7 +43,7 @@ double mean(const std::vector<double>& numbers) {
 
 // A hundred flights: too slow under the sanitizers, which see the same code in the cases of plugin_tests.
 TEST_CASE("the space groups' campaign reaches the figures beside it", "[space_groups][release-only]") {
-    const Json cells = cells_of("space_groups", {});
+    const Json cells = space_cells("space_groups", {});
     REQUIRE(cells.size() == 7);
     CHECK(check_figures("space_groups", cells, band_of) == 34);
     CHECK(ratio(cells, "groups.total_variation") <= 0.6);
@@ -53,7 +59,7 @@ TEST_CASE("the space groups' campaign reaches the figures beside it", "[space_gr
 
 TEST_CASE("space groups with the printed angles are held by tracking each object", "[space_groups][release-only]") {
     const Json cells =
-        cells_of("space_groups_printed_noise", {"--variant", "distance", "--variant", "track_then_group"});
+        space_cells("space_groups_printed_noise", {"--variant", "distance", "--variant", "track_then_group"});
     const Json& tracked = cell_of(cells, "track_then_group");
     for (const double tracks : column(tracked, "groups.by_time", "tracks", 100)) CHECK(tracks == 16);
     CHECK(value(tracked, "ospa.middle") <= 260);
@@ -63,8 +69,8 @@ TEST_CASE("space groups with the printed angles are held by tracking each object
 
 TEST_CASE("space groups leave no ghosts where detections are missed, unless duplicates may stay",
           "[space_groups][release-only]") {
-    const Json cells = cells_of("space_groups", {"--variant", "joint", "--variant", "joint_clean", "--set",
-                                                 "world.sensors.radar.detection_probability=0.9"});
+    const Json cells = space_cells("space_groups", {"--variant", "joint", "--variant", "joint_clean", "--set",
+                                                    "world.sensors.radar.detection_probability=0.9"});
     const double stay = mean(column(cell_of(cells, "joint"), "groups.by_time", "groups", 661));
     const double gone = mean(column(cell_of(cells, "joint_clean"), "groups.by_time", "groups", 661));
     const double objects = mean(column(cell_of(cells, "joint_clean"), "groups.by_time", "true_groups", 661));
@@ -78,8 +84,9 @@ TEST_CASE("the space groups' distance has one address, whatever splits", "[space
     for (const char* variant : {"distance", "joint", "track_then_group"}) {
         std::vector<double> counts;
         for (const char* threshold : {"500 m", "1 cm"}) {
-            const Json cells = cells_of("space_groups", {"--variant", variant, "--runs", "1", "--set", "world.scans=12",
-                                                         "--set", std::string("tracker.threshold=") + threshold});
+            const Json cells =
+                space_cells("space_groups", {"--variant", variant, "--runs", "1", "--set", "world.scans=12", "--set",
+                                             std::string("tracker.threshold=") + threshold});
             counts.push_back(column(cells[0], "groups.by_time", "groups", 11).back());
         }
         CAPTURE(variant);

@@ -1,4 +1,7 @@
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 
 #include <catch2/catch.hpp>
 
@@ -148,4 +151,38 @@ TEST_CASE("groups: points are of one group where links of less than the distance
     CHECK(partition::group_count(row, 1000) == 1);
     CHECK(partition::group_count({}, 10) == 0);
     CHECK(partition::group_count({{0, 0, std::nan("")}, {1, 1, 1}}, 10) == 1);
+}
+
+TEST_CASE("groups: raw partitions of the recorded space group vary as much as an independent reproduction says",
+          "[groups]") {
+    const char* const data = std::getenv("PELORUS_DATA");
+    const std::string folder = std::string(data == nullptr ? "" : data) + "/space_groups/";
+    const double variations[] = {113, 149, 97};  // from k = 7 to 760, linked at 500 m; 15 of the true positions
+    for (const int seed : {1, 2, 3})
+        for (const bool measured : {true, false}) {
+            const std::string name = "seed" + std::to_string(seed) + (measured ? "_meas.csv" : "_truth.csv");
+            std::ifstream file(folder + name);
+            if (!file) {
+                WARN("skipped: PELORUS_DATA names no folder with space_groups/" << name);
+                return;
+            }
+            std::map<std::int64_t, std::vector<std::array<double, 3>>> scans;
+            for (std::string line; std::getline(file, line);) {
+                int k = 0, i = 0;
+                std::array<double, 3> p{};
+                REQUIRE(std::sscanf(line.c_str(), "%d,%d,%lf,%lf,%lf", &k, &i, &p[0], &p[1], &p[2]) == 5);
+                scans[k].push_back(p);
+            }
+            Counted run("{threshold: 500 m, variation_from: 7 s, counts_at: [760 s]}");
+            for (const auto& [k, points] : scans) {
+                pelorus::TruthBuilder builder("", pelorus::position_space(3));
+                for (std::size_t i = 0; i < points.size(); ++i)
+                    builder.add({i, k * second, points[i].data(), nullptr, i, 0, {}});
+                run.analyzer.receive(GroupAnalyzer::truth, builder.message(k * second), k * second);
+                run.told(k, {});
+            }
+            CHECK(run.results.table().rows.count == 760);
+            CHECK(run.results.value("true_total_variation") == (measured ? variations[seed - 1] : 15));
+            if (!measured) CHECK(run.results.value("true_count_at_760") == 16);
+        }
 }

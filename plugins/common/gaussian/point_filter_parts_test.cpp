@@ -62,11 +62,12 @@ TEST_CASE("angles of a state are averaged around the circle and wrapped, in ever
             const LogPolarFilter f(name, form);
             const auto& filter = f.filter;
             Batch here = f.at(pi - 1e-3), there = f.at(0.0), moved(filter.record_size(), 1), same = moved;
-            const double dt = 0.5, extent = 1.0;
+            const double dt = 0.5;
+            const MatrixXd extent = MatrixXd::Identity(2, 2);
             const auto predict = [&](const Batch& record, Batch& out) {
                 auto args = pelorus::arguments<plr_estimator_predict>();
                 args.dt = pelorus::const_view(&dt, 1, 1, 1);
-                args.extent = pelorus::const_view(&extent, 1, 1, 1);
+                args.extent = pelorus::const_view(extent.data(), 2, 2, 1);
                 args.record = record.in();
                 args.out = out.out();
                 Call call;

@@ -20,12 +20,9 @@ namespace partition {
 /// to walk along. [worker, exclusive], afterwards reading is concurrent.
 template <int D> class Grid {
 public:
-    struct Cell {
-        std::uint64_t row;     ///< number of its block on all axes but the first
-        std::uint32_t column;  ///< number of its block on the first axis, and in D bits its place within the block
-        std::uint32_t first;   ///< of its points; the next cell's is their end
-    };
-    static_assert(sizeof(Cell) == sizeof(Keyed));
+    /// `row`: number of its block on all axes but the first; `column`: that on the first axis, and in D bits the cell's place
+    /// within the block; `point`: the place of the first of its points, the next cell's is their end.
+    using Cell = Keyed;
 
     static constexpr Need need() noexcept {
         Need coordinates = array<double>();
@@ -44,13 +41,13 @@ public:
             for (int axis = 0; axis < D; ++axis)
                 coordinates_[std::size_t{D} * k + static_cast<std::size_t>(axis)] =
                     coordinate(points, points_[k].point, axis);
-        collect_cells(reinterpret_cast<Cell*>(points_ == first ? second : first));
+        collect_cells(points_ == first ? second : first);
     }
 
     std::uint32_t size() const noexcept { return size_; }  ///< points
     std::uint32_t cell_count() const noexcept { return cell_count_; }
-    std::uint32_t begin(std::uint32_t cell) const noexcept { return cells_[cell].first; }
-    std::uint32_t end(std::uint32_t cell) const noexcept { return cells_[cell + 1].first; }
+    std::uint32_t begin(std::uint32_t cell) const noexcept { return cells_[cell].point; }
+    std::uint32_t end(std::uint32_t cell) const noexcept { return cells_[cell + 1].point; }
     std::uint32_t points_in(std::uint32_t cell) const noexcept { return end(cell) - begin(cell); }
     /// The point of the scan that stands at place k.
     std::uint32_t point(std::uint32_t k) const noexcept { return points_[k].point; }

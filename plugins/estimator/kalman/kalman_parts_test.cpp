@@ -82,8 +82,8 @@ TEST_CASE(
     for (std::int64_t i = 0; i < count; ++i) records[i] = f.start()[0];
     const Batch before = records;
     const double dt = 0.5;
-    Batch extents(1, 1, count);
-    for (std::int64_t i = 0; i < count; ++i) extents[i](0) = 2.0 + static_cast<double>(i);
+    Batch extents(2, 2, count);
+    for (std::int64_t i = 0; i < count; ++i) extents[i] = (2.0 + static_cast<double>(i)) * Eigen::Matrix2d::Identity();
     auto args = pelorus::arguments<plr_estimator_predict>();
     args.dt = pelorus::common_view(&dt, 1, 1, count);
     args.extent = extents.in();
@@ -98,7 +98,7 @@ TEST_CASE(
     for (std::int64_t i = 0; i < count; ++i) {
         const Eigen::Map<const Eigen::Matrix3d> p(records[i].data() + 3);
         const Eigen::Matrix3d expected =
-            transition * p0 * transition.transpose() + p0(0, 0) * extents[i](0) * dt * Eigen::Matrix3d::Identity();
+            transition * p0 * transition.transpose() + p0(0, 0) * extents[i](0, 0) * dt * Eigen::Matrix3d::Identity();
         CHECK((p - expected).norm() < 1e-14);
         CHECK(records[i](12) == 1.0);
         CHECK(records[i](13) == p0(1, 1));

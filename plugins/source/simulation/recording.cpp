@@ -70,8 +70,8 @@ Recording::Table Recording::read(const std::filesystem::path& file) {
         Row row;
         if (!parse(line, row)) refuse(where + "expected k,i,x,y,z, five numbers");
         if (row.object >= objects_)
-            refuse(where + "object " + std::to_string(row.object) + ", but the targets have " +
-                   std::to_string(objects_));
+            refuse(where + "tells of object " + std::to_string(row.object) + "; those of the targets are 0 to " +
+                   std::to_string(objects_ - 1));
         if (row.tick >= most_ticks) refuse(where + "tick " + std::to_string(row.tick) + " is beyond all use");
         if (table.size() < (row.tick + 1) * objects_ * 3)
             table.resize((row.tick + 1) * objects_ * 3, std::numeric_limits<double>::quiet_NaN());

@@ -202,7 +202,7 @@ TEST_CASE("recording: what cannot be played is refused by one line", "[simulatio
     CHECK_THAT(with_rows("1,0,1,2,3\n1,0,1,2,3,4\n"), Catch::Contains("line 2: expected"));
     CHECK_THAT(with_rows("k,i,x,y,z\n"), Catch::Contains("line 1: expected"));
     CHECK_THAT(with_rows("1,0,1,2,nan\n"), Catch::Contains("line 1: expected"));
-    CHECK_THAT(with_rows("1,2,1,2,3\n"), Catch::Contains("line 1: object 2, but the targets have 2"));
+    CHECK_THAT(with_rows("1,2,1,2,3\n"), Catch::Contains("line 1: tells of object 2; those of the targets are 0 to 1"));
     CHECK_THAT(with_rows("1,1,1,2,3\n1,1,1,2,3\n"), Catch::Contains("object 1 at tick 1 was told before"));
     CHECK_THAT(with_rows("99000000000,1,1,2,3\n"), Catch::Contains("beyond all use"));
     with_rows("2,0,1,2,3\r\n\n");

@@ -361,3 +361,26 @@ TEST_CASE("simulation: what cannot be simulated is refused by name", "[simulatio
     CHECK(refusal("{scans: 1}", {target("a", dot), plane, radar("r", "{dimension: 2}")}) ==
           "targets: targets a and flat move on different numbers of axes");
 }
+
+TEST_CASE("simulation: decoys have the object that released them for a parent, from when they are born",
+          "[simulation]") {
+    const auto cloud =
+        part(parts_bench(), "trajectory", "release",
+             "{start: [0 m, 0 m, 9 km], velocity: [100 m/s, 0 m/s, 0 m/s], decoys: 2, release_time: 1 s}");
+    Simulated run("{scans: 3}", {target("first", dot), {"targets", "cloud", cloud, "{}"}, radar("r", "{}")});
+    run.source->run();
+    std::vector<const plr_truth*> told;
+    for (const auto& published : run.bench.published)
+        if (published.port == truth) told.push_back(&published.truth());
+    REQUIRE(told.size() == 3);
+    REQUIRE(told[0]->count == 2);
+    REQUIRE(told[1]->count == 4);
+    const std::uint64_t ids[] = {1, 2, 3, 4}, parents[] = {1, 2, 2, 2};
+    for (std::size_t k = 0; k < 4; ++k) {
+        CHECK(told[1]->ids[k] == ids[k]);
+        CHECK(told[1]->parents[k] == parents[k]);
+        CHECK(told[1]->births[k] == (k < 2 ? 0 : second));
+    }
+    CHECK(run.seen("r")[0].points.cols() == 2);
+    CHECK(run.seen("r")[2].points.cols() == 4);
+}

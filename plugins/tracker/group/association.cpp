@@ -32,4 +32,17 @@ double squared_distance(const Eigen::VectorXd& e, const Eigen::MatrixXd& covaria
     return pelorus::small::inverse_quadratic(root, pelorus::small::Bounded<3, 1>(e));
 }
 
+std::optional<std::size_t> nearest_point(const Eigen::VectorXd& place, const Eigen::MatrixXd& covariance,
+                                         const extended::Points& points, double gate) {
+    std::optional<std::size_t> nearest;
+    double least = gate;
+    for (std::size_t k = 0; k < points.ids.size(); ++k) {
+        const double squared = squared_distance(points.position(k) - place, covariance + points.noise_of(k));
+        if (!(squared < least)) continue;
+        least = squared;
+        nearest = k;
+    }
+    return nearest;
+}
+
 }  // namespace group

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "../../common/extended/points.hpp"
 
 namespace group {
 
@@ -20,5 +23,9 @@ std::vector<Pair> nearest_first(std::vector<Pair> pairs);
 
 /// e' S^-1 e; infinite where S is not positive definite, so that nothing is within a gate about it.
 double squared_distance(const Eigen::VectorXd& e, const Eigen::MatrixXd& covariance);
+
+/// The point that is nearest to a place of that covariance by e' (covariance + R)^-1 e, within the gate.
+std::optional<std::size_t> nearest_point(const Eigen::VectorXd& place, const Eigen::MatrixXd& covariance,
+                                         const extended::Points& points, double gate);
 
 }  // namespace group

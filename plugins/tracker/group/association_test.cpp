@@ -32,3 +32,14 @@ TEST_CASE("group association: what has no covariance is at no distance", "[track
     covariance(1, 1) = 0;
     CHECK(squared_distance(Eigen::Vector2d(2, 3), covariance) == std::numeric_limits<double>::infinity());
 }
+
+TEST_CASE("group association: the nearest point is that by its own noise, too", "[tracker.group]") {
+    extended::Points points;
+    points.dimension = 2;
+    points.positions = {3, 0, 4, 0};
+    points.noise = {1, 0, 0, 1, 9, 0, 0, 9};  // 3 m with S = 2 m2, 4 m with S = 10 m2
+    points.ids = {1, 2};
+    const Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+    CHECK(nearest_point(Eigen::Vector2d::Zero(), covariance, points, 9.0) == std::optional<std::size_t>(1));
+    CHECK(nearest_point(Eigen::Vector2d::Zero(), covariance, points, 1.6) == std::nullopt);
+}

@@ -22,6 +22,11 @@ Eigen::MatrixXd Predictions::spread(std::size_t k, int dimension) const {
     return Eigen::Map<const Eigen::MatrixXd>(covariance.data() + k * square, dimension, dimension);
 }
 
+Eigen::MatrixXd Predictions::shape(std::size_t k, int dimension) const {
+    const auto square = static_cast<std::size_t>(dimension * dimension);
+    return Eigen::Map<const Eigen::MatrixXd>(extent.data() + k * square, dimension, dimension);
+}
+
 void Cells::setup(const pelorus::PartitionerPart& partitioner, const plr_parallel* parallel) {
     partitioner_ = partitioner;
     parallel_ = parallel;

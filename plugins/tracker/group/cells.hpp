@@ -26,6 +26,7 @@ struct Predictions {
              const Eigen::MatrixXd& shape);
     Eigen::VectorXd position(std::size_t k, int dimension) const;
     Eigen::MatrixXd spread(std::size_t k, int dimension) const;
+    Eigen::MatrixXd shape(std::size_t k, int dimension) const;
 };
 
 struct Cell {

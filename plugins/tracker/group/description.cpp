@@ -16,7 +16,10 @@ void describe_association(pelorus::Describe<GroupTracker>& plugin) {
         .choices({{"by_partitioner",
                    "the cells that the partitioner makes for a prediction are its group's; a "
                    "measurement may serve several"},
-                  {"nearest", "cells and groups are paired one to one, the smallest distance first"}})
+                  {"nearest", "cells and groups are paired one to one by their centres, the smallest distance first"},
+                  {"members",
+                   "a cell is that group's most of whose members of the last scan are in it, even if its "
+                   "centre jumps; what that leaves, as nearest"}})
         .doc(
             "how groups come to their cells; absent: by_partitioner where the partitioner's cells may overlap, "
             "nearest elsewhere");

@@ -114,8 +114,11 @@ TEST_CASE("tracker.group coasts without a cell, and ends at the last miss in a r
 
 TEST_CASE("tracker.group keeps the identity of a group that splits, and tells where the rest came from",
           "[tracker.group]") {
-    Rig rig;
-    rig.variance = 100;  // a centre that jumps by 20 m is within the gate
+    // A centre that jumps by 20 m is within the gate with coarse measurements, or does not matter.
+    const auto& [with, variance] = GENERATE(table<std::string, double>(
+        {{Rig::slow, 100}, {"{maximum_speed: 100 m/s, association: members, duplicate_distance: 0 m}", 1}}));
+    Rig rig(with);
+    rig.variance = variance;
     std::vector<Entry> told;
     // Four and two, which leave the four at 6 m/s from the tenth scan on.
     for (int k = 0; k < 30; ++k) {
@@ -132,8 +135,11 @@ TEST_CASE("tracker.group keeps the identity of a group that splits, and tells wh
 }
 
 TEST_CASE("tracker.group tells which group went into which", "[tracker.group]") {
-    Rig rig;
-    rig.variance = 100;  // a centre that jumps by 20 m is within the gate
+    // A centre that jumps by 20 m is within the gate with coarse measurements, or does not matter.
+    const auto& [with, variance] = GENERATE(table<std::string, double>(
+        {{Rig::slow, 100}, {"{maximum_speed: 100 m/s, association: members, duplicate_distance: 0 m}", 1}}));
+    Rig rig(with);
+    rig.variance = variance;
     std::vector<Entry> told;
     bool is_ended = false;
     // The second group comes near and stays.
@@ -146,6 +152,21 @@ TEST_CASE("tracker.group tells which group went into which", "[tracker.group]") 
     CHECK(told[0].id == 1);
     CHECK(told[0].parents == Ids{2});
     CHECK(told[0].measurements.size() == 8);
+}
+
+TEST_CASE("tracker.group keeps the identity of the larger group in a merger, by its members", "[tracker.group]") {
+    Rig rig("{maximum_speed: 100 m/s, association: members, duplicate_distance: 0 m}");
+    rig.variance = 1;
+    std::vector<Entry> told;
+    // Two that are older meet four: the place where all are then is nearer to neither centre.
+    for (int k = 0; k < 40; ++k) {
+        const double y = std::max(40.0, 200 - 8.0 * k);
+        const std::vector<Place> two{{10.0 * k, 0, 0}, {10.0 * k + 5, 0, 0}};
+        told = rig.scan(k, k < 3 ? two : both(two, square(10 * k, y)));
+    }
+    REQUIRE(told.size() == 1);
+    CHECK(told[0].id == 2);
+    CHECK(told[0].parents == Ids{1});
 }
 
 TEST_CASE("tracker.group ends the younger of two groups at one place, unless it is not to", "[tracker.group]") {

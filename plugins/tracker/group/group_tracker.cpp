@@ -7,7 +7,6 @@
 
 #include "../../common/extended/joint_filter.hpp"
 #include "../../common/extended/separate_filter.hpp"
-#include "association.hpp"
 
 namespace group {
 
@@ -33,8 +32,7 @@ void GroupTracker::setup(const pelorus::Setup& setup) {
     cells_.setup(partitioner, setup.optional_service<plr_parallel>());
     // Cells that may overlap are made about predictions; who makes none of those leaves the association to the tracker.
     const bool overlaps = (partitioner.raw().description->flags & PLR_DESCRIPTION_OVERLAP) != 0;
-    is_nearest_ =
-        association.value_or(overlaps ? Association::by_partitioner : Association::nearest) == Association::nearest;
+    by_ = association.value_or(overlaps ? Association::by_partitioner : Association::nearest);
     gate_ = quantile(gate_probability, dimension);
     starts_.setup({maximum_speed, quantile(start_gate_probability, dimension)});
     lineage_.setup(gate_);
@@ -128,6 +126,7 @@ Points GroupTracker::points_of(std::int64_t time, const plr_scan& scan) {
 void GroupTracker::predict(std::int64_t time) {
     for (Track& track : tracks_) {
         track.measurements.clear();
+        track.centre = filter_->summary(caller_, look_at(track), track.records).mean.head(filter_->dimension());
         const std::int64_t elapsed = time - track.time;
         if (elapsed == 0) continue;
         Records next = track.records;
@@ -175,34 +174,11 @@ void GroupTracker::update(const Points& points) {
     lineage_.see(std::move(sighting));
 }
 
-/// The cell of each track, an index into `cells`: what the partitioner says, or the nearest by e' (H P H' + mean R)^-1 e.
-std::vector<std::optional<std::size_t>> GroupTracker::cells_of_tracks(const Points& points, const Predictions& expected,
-                                                                      const std::vector<Cell>& cells) const {
-    std::vector<std::optional<std::size_t>> out(tracks_.size());
-    if (!is_nearest_) {
-        for (std::size_t c = 0; c < cells.size(); ++c)
-            if (cells[c].prediction >= 0) out[static_cast<std::size_t>(cells[c].prediction)] = c;
-        return out;
-    }
-    const int d = filter_->dimension();
-    std::vector<Pair> pairs;
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-        const Points members = points.some(cells[c].members);
-        const Eigen::VectorXd centre = members.centroid();
-        const Eigen::MatrixXd noise = members.mean_noise();
-        for (std::size_t k = 0; k < tracks_.size(); ++k) {
-            const double squared = squared_distance(centre - expected.position(k, d), expected.spread(k, d) + noise);
-            if (squared < gate_) pairs.push_back({k, c, squared});
-        }
-    }
-    for (const Pair& pair : nearest_first(std::move(pairs))) out[pair.left] = pair.right;
-    return out;
-}
-
 void GroupTracker::take(Track& track, const Points& points, const Cell& cell, Sighting& sighting) {
     Records next = track.records;
     try {
-        const Points members = points.some(cell.members, is_nearest_ ? std::vector<double>() : cell.weights);
+        const Points members =
+            points.some(cell.members, by_ == Association::by_partitioner ? cell.weights : std::vector<double>());
         const extended::Update result = filter_->update(caller_, look_at(track), members, next);
         innovations_.add(track.id, result.squared_innovation, filter_->dimension());
         track.records = std::move(next);

@@ -10,6 +10,7 @@
 #include <pelorus/stage.hpp>
 
 #include "../../common/extended/target_filter.hpp"
+#include "association.hpp"
 #include "cells.hpp"
 #include "lineage.hpp"
 #include "starts.hpp"
@@ -20,7 +21,7 @@ using extended::Look;
 using extended::Moments;
 using extended::Records;
 
-enum class Association { by_partitioner, nearest };
+enum class Association { by_partitioner, nearest, members };
 enum class CentroidNoise { mean, effective };
 
 struct Parameters {
@@ -34,6 +35,9 @@ struct Parameters {
     double duplicate_distance = 0;  // m
 };
 
+/// The cell of each track, an index; none: it has none.
+using CellOfTrack = std::vector<std::optional<std::size_t>>;
+
 /// A group that is followed.
 struct Track {
     std::uint64_t id = 0;
@@ -43,6 +47,7 @@ struct Track {
     std::uint64_t absorber = 0;               ///< group that has taken what is near, since it misses; 0: none
     std::vector<std::uint64_t> measurements;  ///< of its members in this scan; not saved
     bool is_lost = false;                     ///< it is told once more; not saved
+    Eigen::VectorXd centre;                   ///< before the last prediction; not saved
     Records records;
     template <class Archive> void state(Archive& archive) { archive(id, time, misses, parents, absorber, records); }
 };
@@ -75,8 +80,12 @@ private:
     void predict(std::int64_t time);
     Predictions predictions() const;
     void update(const Points& points);
-    std::vector<std::optional<std::size_t>> cells_of_tracks(const Points& points, const Predictions& predictions,
-                                                            const std::vector<Cell>& cells) const;
+    CellOfTrack cells_of_tracks(const Points& points, const Predictions& expected,
+                                const std::vector<Cell>& cells) const;
+    std::vector<Pair> pairs_by_centre(const Points& points, const Predictions& expected,
+                                      const std::vector<Cell>& cells) const;
+    std::vector<Pair> pairs_by_members(const Points& points, const Predictions& expected,
+                                       const std::vector<Cell>& cells) const;
     void take(Track& track, const Points& points, const Cell& cell, Sighting& sighting);
     void miss(Track& track, const Sighting& sighting);
     void begin(const Points& points, const std::vector<Cell>& cells, const std::vector<bool>& is_taken,
@@ -106,7 +115,7 @@ private:
     plr_key key_{};
     std::string frame_;
     double gate_ = 0;
-    bool is_nearest_ = false;
+    Association by_ = Association::nearest;
 
     // What save keeps.
     std::uint64_t step_ = 0, next_id_ = 1;

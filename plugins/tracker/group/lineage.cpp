@@ -1,7 +1,6 @@
 #include "lineage.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "association.hpp"
@@ -33,15 +32,21 @@ std::vector<std::uint64_t> Lineage::parents_of(const Start& start) const {
         const Eigen::VectorXd was = first.position(k) - back * start.velocity;
         const Eigen::MatrixXd spread =
             (1 + ratio) * (1 + ratio) * first.noise_of(k) + ratio * ratio * start.third.noise;
-        std::vector<double> distances;
-        for (std::size_t p = 0; p < then->points.ids.size(); ++p)
-            distances.push_back(squared_distance(then->points.position(p) - was, spread + then->points.noise_of(p)));
-        const auto nearest = std::min_element(distances.begin(), distances.end());
-        if (nearest == distances.end() || !(*nearest < gate_)) continue;
-        const auto& owners = then->owners[static_cast<std::size_t>(nearest - distances.begin())];
+        const auto nearest = nearest_point(was, spread, then->points, gate_);
+        if (!nearest) continue;
+        const auto& owners = then->owners[*nearest];
         parents.insert(owners.begin(), owners.end());
     }
     return {parents.begin(), parents.end()};
+}
+
+Points Lineage::members_of(std::uint64_t id) const {
+    if (seen_.empty()) return {};
+    const Sighting& last = seen_.back();
+    std::vector<std::size_t> members;
+    for (std::size_t k = 0; k < last.owners.size(); ++k)
+        if (std::find(last.owners[k].begin(), last.owners[k].end(), id) != last.owners[k].end()) members.push_back(k);
+    return last.points.some(members);
 }
 
 bool Lineage::is_of(int dimension, std::size_t sensors) const {

@@ -27,6 +27,9 @@ public:
     /// carried back by the start's velocity to that scan and is the nearest point there, if one is within the gate.
     std::vector<std::uint64_t> parents_of(const Start& start) const;
 
+    /// The points of the last scan that were a group's.
+    Points members_of(std::uint64_t id) const;
+
     template <class Archive> void state(Archive& archive) { archive(seen_); }
     bool is_of(int dimension, std::size_t sensors) const;
 
