@@ -28,8 +28,6 @@ if(EXISTS "${SOURCE}/toolchain.cmake")
         leave_out("${CMAKE_CXX_COMPILER} ${CMAKE_CXX_FLAGS_INIT}")
     endif()
     list(APPEND arguments --toolchain "${SOURCE}/toolchain.cmake")
-elseif(FLAGS)
-    list(APPEND arguments "-DCMAKE_C_FLAGS=${FLAGS}" "-DCMAKE_CXX_FLAGS=${FLAGS}" "-DCMAKE_Fortran_FLAGS=${FLAGS}")
 endif()
 
 function(quietly)

@@ -128,14 +128,17 @@ public:
     }
 
 private:
-    /// A copy, so that what a page builds or runs in the tree stays out of the sources; but the build is the one under test.
+    /// A copy, so that what a page builds or runs in the tree stays out of the sources; but the build is the one under test, and
+    /// folders in which no page has any business are links.
     void copy_tree() const {
         const fs::path tree = home_ / "pelorus";
         fs::create_directories(tree / "build");
         std::vector<std::string> copy = {"cp", "-a"};
         for (const fs::directory_entry& entry : fs::directory_iterator(PELORUS_SOURCE_DIR)) {
             const std::string name = entry.path().filename().string();
-            if (name != "build" && name != "results" && name != ".git" && name != ".cache")
+            if (name == "framework" || name == "tests" || name == "bench")
+                fs::create_directory_symlink(entry.path(), tree / name);
+            else if (name != "build" && name != "results" && name != ".git" && name != ".cache")
                 copy.push_back(entry.path().string());
         }
         copy.push_back(tree.string());

@@ -95,7 +95,8 @@ double root_mean(const std::vector<double>& squares, std::size_t from) {
 
 }  // namespace
 
-TEST_CASE("example of a coordinated turn: the track is that of a filter with a numerically integrated turn") {
+TEST_CASE("example of a coordinated turn: the track is that of a filter with a numerically integrated turn",
+          "[release-only]") {
     const TemporaryFolder folder;
     run_config(with_files(folder, "coordinated_turn", "turning"), folder.path() / "out");
     Dynamics turn;
@@ -114,7 +115,8 @@ TEST_CASE("example of a coordinated turn: the track is that of a filter with a n
     CHECK(largest_difference(folder.path() / "out", seven, turn, 30) < 1e-4);
 }
 
-TEST_CASE("example of a coordinated turn: better than its measurements and than a straight motion, and honest") {
+TEST_CASE("example of a coordinated turn: better than its measurements and than a straight motion, and honest",
+          "[release-only]") {
     const TemporaryFolder folder;
     double nees = 0;
     const std::vector<std::string> seeds = {"5", "6", "7", "8"};
@@ -132,7 +134,7 @@ TEST_CASE("example of a coordinated turn: better than its measurements and than 
     CHECK(nees < 7);
 }
 
-TEST_CASE("example of libc++: the track is that of a filter with a numerically integrated noise") {
+TEST_CASE("example of libc++: the track is that of a filter with a numerically integrated noise", "[release-only]") {
     const TemporaryFolder folder;
     const Json cell = run_config(with_files(folder, "libcxx_motion", "tracker"), folder.path() / "out");
     const Eigen::MatrixXd drift = matrix2(0, 1, 0, -0.01);
@@ -143,7 +145,7 @@ TEST_CASE("example of libc++: the track is that of a filter with a numerically i
     CHECK(scalar(cell, "errors.position_rmse") < 0.6 * 15 * std::sqrt(3.0));
 }
 
-TEST_CASE("example of libc++: what it throws comes out as a message, with the place in the config") {
+TEST_CASE("example of libc++: what it throws comes out as a message, with the place in the config", "[release-only]") {
     const TemporaryFolder folder;
     const std::string config = config_of("libcxx_motion");
     const Ended refused = pelorus_command({"check", config, "--set", "tracker.estimator.motion.rate=0 1/s", "--set",
@@ -153,7 +155,8 @@ TEST_CASE("example of libc++: what it throws comes out as a message, with the pl
                Contains("tracker.estimator.motion.noise: ") && Contains("is 0, and so is rate: the velocity could"));
 }
 
-TEST_CASE("example of a bearing sensor: the errors along and across the line of sight are as theory says") {
+TEST_CASE("example of a bearing sensor: the errors along and across the line of sight are as theory says",
+          "[release-only]") {
     const std::size_t scans = 500, from = 50;
     std::vector<std::vector<double>> along, across;
     for (std::size_t k = 0; k < scans; ++k) {
@@ -182,7 +185,7 @@ TEST_CASE("example of a bearing sensor: the errors along and across the line of 
     CHECK(expected_across < 0.25 * alone);
 }
 
-TEST_CASE("example of a zone alarm: entry and exit when geometry says, and none along the edge") {
+TEST_CASE("example of a zone alarm: entry and exit when geometry says, and none along the edge", "[release-only]") {
     const TemporaryFolder folder;
     // 100 m/s from x = -10 km: 100 m inside the edge at -2 km after 81 s, 100 m outside that at 2 km after 121 s.
     for (const std::string seed : {"3", "4", "5"}) {
@@ -202,7 +205,8 @@ TEST_CASE("example of a zone alarm: entry and exit when geometry says, and none 
     CHECK(scalar(nervous, "alarm.entries") > 3);
 }
 
-TEST_CASE("example of a zone alarm: a track that ends inside is lost, one that is inside at the end counts so far") {
+TEST_CASE("example of a zone alarm: a track that ends inside is lost, one that is inside at the end counts so far",
+          "[release-only]") {
     const TemporaryFolder folder;
     const Json lost =
         run_config(config_of("zone_alarm"), folder.path() / "lost", {"--set", "world.targets.crossing.death=100s"});
@@ -215,7 +219,7 @@ TEST_CASE("example of a zone alarm: a track that ends inside is lost, one that i
     CHECK(std::fabs(scalar(early, "alarm.inside_time") - 19) <= 1);
 }
 
-TEST_CASE("example of a zone alarm: a run that goes on from a snapshot tells the same") {
+TEST_CASE("example of a zone alarm: a run that goes on from a snapshot tells the same", "[release-only]") {
     const TemporaryFolder folder;
     const std::string config = config_of("zone_alarm");
     run_config(config, folder.path() / "whole");
@@ -231,7 +235,7 @@ TEST_CASE("example of a zone alarm: a run that goes on from a snapshot tells the
     }
 }
 
-TEST_CASE("example of a zone alarm: a zone that is none is refused") {
+TEST_CASE("example of a zone alarm: a zone that is none is refused", "[release-only]") {
     const auto refused = [](const std::string& zone, const std::string& text) {
         const Ended ended = pelorus_command({"check", config_of("zone_alarm"), "--set", "alarm.zone=" + zone});
         CAPTURE(zone, ended.err);

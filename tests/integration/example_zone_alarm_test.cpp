@@ -57,7 +57,8 @@ struct Watch {
 
 }  // namespace
 
-TEST_CASE("example of a zone alarm: within the margin nothing changes, beyond it occupancy is told once") {
+TEST_CASE("example of a zone alarm: within the margin nothing changes, beyond it occupancy is told once",
+          "[release-only]") {
     Watch watch;
     watch.see(1, -1500);
     watch.see(2, -995);  // in, but not deep enough
@@ -72,7 +73,8 @@ TEST_CASE("example of a zone alarm: within the margin nothing changes, beyond it
     CHECK(watch.scalar("inside_time") == 3);  // the second one has been seen at one time only
 }
 
-TEST_CASE("example of a zone alarm: what comes late or twice changes nothing, nor does a track that is tentative") {
+TEST_CASE("example of a zone alarm: what comes late or twice changes nothing, nor does a track that is tentative",
+          "[release-only]") {
     Watch watch;
     watch.see(1, -1500);
     watch.see(5, 0);
@@ -91,7 +93,8 @@ TEST_CASE("example of a zone alarm: what comes late or twice changes nothing, no
     CHECK(watch.told().back() == 1);
 }
 
-TEST_CASE("example of a zone alarm: state is saved whole, the same bytes again, and what is broken is refused") {
+TEST_CASE("example of a zone alarm: state is saved whole, the same bytes again, and what is broken is refused",
+          "[release-only]") {
     Watch watch;
     watch.see(1, -1500);
     watch.see(2, 0);
