@@ -133,7 +133,7 @@ std::map<std::string, std::string> told_parameters(const fs::path& page) {
 
 }  // namespace
 
-TEST_CASE("no link of the documentation is dead") {
+TEST_CASE("no link of the documentation is dead", "[release-only]") {
     for (const std::string& dead : dead_links(tree)) UNSCOPED_INFO(dead);
     CHECK(dead_links(tree).empty());
     for (const std::string& dead : dead_links(generated)) UNSCOPED_INFO(dead);
