@@ -48,7 +48,7 @@ TEST_CASE("the space groups' campaign reaches the figures beside it", "[space_gr
     CHECK(check_figures("space_groups", cells, band_of) == 34);
     CHECK(ratio(cells, "groups.total_variation") <= 0.6);
     CHECK(ratio(cells, "ospa.middle") < 1);
-    CHECK(ratio(cells, "ospa_first_order.middle") <= 0.92);
+    CHECK(ratio(cells, "ospa_500.middle") <= 0.92);
     CHECK(ratio(cells, "ospa.middle_path") <= 0.75);
     CHECK(std::fabs(ratio(cells, "ospa.end_median") - 1) <= 0.1);
     for (const char* variant : {"distance", "joint"}) {
