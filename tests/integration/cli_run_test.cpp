@@ -34,7 +34,7 @@ graph:
           with:
             noise: 10 m
             detection_probability: 0.9
-            false_alarms: 2
+            clutter: 2
             clutter_min: [-5 km, -5 km, 0 m]
             clutter_max: [5 km, 5 km, 2 km]
   tracker:

@@ -153,7 +153,7 @@ TEST_CASE("recording: measurements are missed and joined by false alarms like th
     const std::vector<Scan> seen = late.run();
     CHECK(seen[1].points.cols() == 0);
     CHECK(seen[2].points.cols() == 1);
-    World alarms(files.with(), "{false_alarms: 20, clutter_min: [1 km, 1 km, 0 m], clutter_max: [9 km, 9 km, 1 km]}");
+    World alarms(files.with(), "{clutter: 20, clutter_min: [1 km, 1 km, 0 m], clutter_max: [9 km, 9 km, 1 km]}");
     CHECK(alarms.run()[2].points.cols() > 5);
 }
 

@@ -19,11 +19,15 @@
 
 namespace simulation {
 
+/// What the box of clutter lies about: the origin, or the middle of the objects, as the window of a radar that follows them does.
+enum class ClutterAbout { origin, targets };
+
 /// What the config says of a sensor beyond its model.
 struct SensorValues {
     std::optional<double> period;  // s
     double detection_probability = 1;
-    double false_alarms = 0;                                      // mean number a scan
+    double clutter = 0;  // mean number of false alarms a scan
+    ClutterAbout clutter_about = ClutterAbout::origin;
     std::optional<std::vector<double>> clutter_min, clutter_max;  // m
     double drop = 0;
     bool shared_error = false;
@@ -48,7 +52,7 @@ public:
         const pelorus::Space axes = pelorus::position_space(3);
         for (int axis = 0; axis < axes.size(); ++axis) axis_components_.push_back(cartesian_.index(axes[axis].name));
         if (part_.info().waveform != nullptr) waveform_ = pelorus::Space(*part_.info().waveform);
-        if (values_.false_alarms > 0) check_box();
+        if (values_.clutter > 0) check_box();
         if (values_.converted) conversion_.emplace(part);
     }
 
@@ -111,14 +115,18 @@ public:
     }
 
     /// False alarms: a Poisson number of them, uniform in a box of space, each as the sensor would measure a resting point there.
+    /// `middle`: of the objects (m); none where there are none, and then nothing is seen about them.
     void add_clutter(pelorus::Caller& caller, const Draws& draws, std::int64_t time, std::uint64_t tick,
-                     std::uint64_t& next_id, bool with_covariance, pelorus::ScanBuilder& scan) const {
-        if (values_.false_alarms <= 0) return;
+                     const std::optional<Middle>& middle, std::uint64_t& next_id, bool with_covariance,
+                     pelorus::ScanBuilder& scan) const {
+        const bool about_targets = values_.clutter_about == ClutterAbout::targets;
+        if (values_.clutter <= 0 || (about_targets && !middle)) return;
+        const Middle base = about_targets ? *middle : Middle{};
         const Place count_place{number_, 0, tick, 0}, where{number_, 1, tick, 0};
         std::vector<std::size_t> numbers;
         for (double sum = 0;;) {  // gaps of a Poisson process of rate 1 until its time is over
             sum -= std::log(draws.uniform(PLR_STREAM_CLUTTER, count_place, numbers.size()));
-            if (sum > values_.false_alarms) break;
+            if (sum > values_.clutter) break;
             numbers.push_back(numbers.size());
         }
         const auto c = static_cast<std::size_t>(cartesian_.size());
@@ -128,7 +136,7 @@ public:
             for (std::size_t axis = 0; axis < d; ++axis) {
                 const double low = (*values_.clutter_min)[axis], high = (*values_.clutter_max)[axis];
                 points[p * c + box_components_[axis]] =
-                    low + (high - low) * draws.uniform(PLR_STREAM_CLUTTER, where, p * d + axis);
+                    base[axis] + low + (high - low) * draws.uniform(PLR_STREAM_CLUTTER, where, p * d + axis);
             }
         add(caller, draws, time, {number_, 1, tick, 0}, points, numbers, false, next_id, with_covariance, scan,
             nullptr);
@@ -160,7 +168,7 @@ private:
     void check_box() {
         if (!values_.clutter_min || !values_.clutter_max)
             throw pelorus::PartError("sensors",
-                                     "sensor " + name() + " has false_alarms; say where: clutter_min and clutter_max");
+                                     "sensor " + name() + " has clutter; say where: clutter_min and clutter_max");
         if (values_.clutter_min->size() != values_.clutter_max->size())
             throw pelorus::PartError("sensors",
                                      "clutter_min and clutter_max of sensor " + name() + " differ in length");

@@ -176,10 +176,16 @@ private:
             .min(0)
             .max(1)
             .doc("of each point");
-        plugin.slot_parameter("false_alarms", &SensorValues::false_alarms)
+        plugin.slot_parameter("clutter", &SensorValues::clutter)
             .initially("0")
             .min(0)
             .doc("mean number of false alarms a scan (Poisson), uniform in the box of clutter_min and clutter_max");
+        plugin.slot_parameter("clutter_about", &SensorValues::clutter_about)
+            .initially("origin")
+            .choices({{"origin", "the box has coordinates of the scene"},
+                      {"targets",
+                       "the box is about the middle of the objects, like the window of a radar that follows them"}})
+            .doc("what clutter_min and clutter_max are measured from");
         plugin.slot_parameter("clutter_min", &SensorValues::clutter_min)
             .unit("m")
             .rows(1, 3)
@@ -281,8 +287,23 @@ private:
             for (auto& list : origins[t]) to.push_back(&list);
             sensor.measure(caller_, draws_, time, tick, targets_[t], objects[t], next_id_, covariances_, builder, to);
         }
-        sensor.add_clutter(caller_, draws_, time, tick, next_id_, covariances_, builder);
+        sensor.add_clutter(caller_, draws_, time, tick, middle(objects), next_id_, covariances_, builder);
         return true;
+    }
+
+    /// Of the living objects' positions.
+    std::optional<Middle> middle(const std::vector<std::vector<Object>>& objects) const {
+        Middle sum{};
+        double count = 0;
+        for (std::size_t t = 0; t < targets_.size(); ++t)
+            for (const Object& object : objects[t]) {
+                for (int axis = 0; axis < targets_[t].axes(); ++axis)  // positions come first
+                    sum[static_cast<std::size_t>(axis)] += object.state[axis];
+                ++count;
+            }
+        if (count == 0) return std::nullopt;
+        for (double& each : sum) each /= count;
+        return sum;
     }
 
     void tell_truth(std::int64_t time, const std::vector<std::vector<Object>>& objects,

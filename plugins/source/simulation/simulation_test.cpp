@@ -153,7 +153,7 @@ TEST_CASE("simulation: before first_scan, scans are empty", "[simulation]") {
 TEST_CASE("simulation: ids are unique and truth tells where measurements come from", "[simulation]") {
     Simulated run("{scans: 20}",
                   {target("ship", airship, "{points_per_scan: 5}"), target("dot", dot),
-                   radar("r", "{}", "{false_alarms: 3, clutter_min: [0 m, 0 m, 0 m], clutter_max: [9 m, 9 m, 9 m]}")});
+                   radar("r", "{}", "{clutter: 3, clutter_min: [0 m, 0 m, 0 m], clutter_max: [9 m, 9 m, 9 m]}")});
     run.source->run();
     std::set<std::uint64_t> all, owned;
     std::size_t clutter = 0;
@@ -231,7 +231,7 @@ TEST_CASE("simulation: what one thing draws does not depend on what else there i
     Simulated alone("{scans: 10}", {ship, radar("r", "{}")});
     Simulated crowded("{scans: 10}",
                       {target("other", dot), ship,
-                       radar("q", "{}", "{period: 0.5 s, false_alarms: 5, clutter_min: [0 m], clutter_max: [1 m]}"),
+                       radar("q", "{}", "{period: 0.5 s, clutter: 5, clutter_min: [0 m], clutter_max: [1 m]}"),
                        radar("r", "{}", "{detection_probability: 0.5}")});
     alone.source->run();
     crowded.source->run();
@@ -246,6 +246,33 @@ TEST_CASE("simulation: what one thing draws does not depend on what else there i
     }
     CHECK(kept > 15);
     CHECK(kept < 45);
+}
+
+TEST_CASE("simulation: false alarms arise in a box of the scene, or about where the objects are", "[simulation]") {
+    const auto farthest = [](const std::string& about) {
+        Simulated run("{scans: 60}", {target("ship", airship), target("other", airship),
+                                      radar("r", "{}",
+                                            "{detection_probability: 0, clutter: 8, clutter_min: [-9 m, -9 m, -9 m], "
+                                            "clutter_max: [9 m, 9 m, 9 m]" +
+                                                about + "}")});
+        run.source->run();
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        double far = 0, scans_seen = 0;
+        for (const auto& p : run.bench.published) {
+            if (p.port == truth) middle = pelorus::item(p.truth().state, 0).block<3, 1>(0, 0);
+            if (p.port != scans) continue;
+            ++scans_seen;
+            for (std::int64_t i = 0; i < p.scan().measurements.count; ++i)
+                far = std::max(
+                    far,
+                    (pelorus::item(p.scan().measurements, i).block<3, 1>(0, 0) - middle).lpNorm<Eigen::Infinity>());
+        }
+        CHECK(scans_seen == 60);
+        return far;
+    };
+    CHECK(farthest(", clutter_about: targets") < 15);  // the box, and noise of 1 m
+    CHECK(farthest(", clutter_about: targets") > 5);
+    CHECK(farthest("") > 300);  // the ship flies at a height of 300 m
 }
 
 TEST_CASE("simulation: detection and loss happen as often as they should", "[simulation]") {
@@ -352,8 +379,8 @@ TEST_CASE("simulation: what cannot be simulated is refused by name", "[simulatio
           "targets: target a gives 3 points a scan but has no extent that they could lie on");
     CHECK(refusal("{scans: 1}", {plane, radar("r", "{}")})
               .find("sensors: sensor r looks at position.z, which target flat has not") == 0);
-    CHECK(refusal("{scans: 1}", {target("a", dot), radar("r", "{}", "{false_alarms: 1}")}) ==
-          "sensors: sensor r has false_alarms; say where: clutter_min and clutter_max");
+    CHECK(refusal("{scans: 1}", {target("a", dot), radar("r", "{}", "{clutter: 1}")}) ==
+          "sensors: sensor r has clutter; say where: clutter_min and clutter_max");
     CHECK(refusal("{duration: 8e9 s, period: 5 ns}", {target("a", dot), radar("r", "{}")})
               .find("period: is too short for") == 0);
     CHECK(refusal("{duration: 1 s, period: 0.1 ns}", {target("a", dot), radar("r", "{}")})

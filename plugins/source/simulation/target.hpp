@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -34,6 +35,8 @@ struct Object {
     bool recorded = false;            ///< `state` is a recorded position, `measured` where it was measured, or nullptr
     const double* measured = nullptr;
 };
+
+using Middle = std::array<double, 3>;  ///< m; 0 on axes that there are not
 
 class Target {
 public:

@@ -305,7 +305,7 @@ void GroupTracker::end() {
 }
 
 void GroupTracker::give_up(Track& track, const pelorus::Failure& failure) {
-    if (failure.code() != PLR_E_NUMERIC) throw failure;
+    if (failure.code() != PLR_E_NUMERIC) throw;
     warn("group " + std::to_string(track.id) + " is given up: " + failure.what());
     count("tracks_failed", 1);
     track.is_lost = true;

@@ -96,6 +96,7 @@ private:
     void merge_duplicates();
     void end();
 
+    /// While `failure` is being handled: it ends the track, or goes on if it is not one of numbers.
     void give_up(Track& track, const pelorus::Failure& failure);
     void absorb(std::uint64_t survivor, std::uint64_t absorbed);
     void tell(const Track& track, std::int32_t status);
