@@ -48,9 +48,13 @@ private:
 
     std::int64_t look_doubles(const SensorInSlot& sensor) const;
     template <class View> View covariance(const View& records) const noexcept { return spread(records); }
-    gaussian::ItemsIn jacobians(const Looks& looks, std::int64_t m) const noexcept {
-        return {looks.jacobian, looks.common ? 0 : m * n_};
+    /// As kernels take them. They have all columns, or, where the sensor tells them itself, those that are not zero.
+    gaussian::ItemsIn jacobians(std::int32_t sensor, const Looks& looks) const noexcept {
+        const auto which = static_cast<std::size_t>(sensor);
+        const std::int64_t columns = tells_columns(seen_[which]) ? seen_[which].leading : n_;
+        return {looks.jacobian, looks.common ? 0 : sensors_[which].m * columns};
     }
+    bool tells_columns(const Seen& seen) const noexcept { return state_is_cartesian_ && seen.in_order; }
 
     /// A step of a block of records, as the motion tells it.
     struct Steps {
@@ -83,7 +87,7 @@ private:
     };
     plr_status learn(const plr_call& call, std::int32_t sensor, const Looks& looks, const Linearisation& step,
                      double* memory) const;
-    void innovate_about(const double* record, const double* point, const double* jacobian, std::int64_t m,
+    void innovate_about(const double* record, const double* point, std::int32_t sensor, const double* jacobian,
                         double* innovation) const;
 
     std::vector<Seen> seen_;  // of the sensors

@@ -112,6 +112,7 @@ plr_const_view Kalman::look(const plr_call& call, std::int32_t number, const plr
     }
     const plr_const_view cartesian = state_is_cartesian_ ? mean(records) : as_const(convert.out);
     const bool in_order = seen_[static_cast<std::size_t>(number)].in_order;
+    const bool tells_columns = this->tells_columns(seen_[static_cast<std::size_t>(number)]);
     for (std::int64_t i = 0; i < items && !in_order; ++i) {
         for (std::int64_t k = 0; k < c; ++k)
             at(gathered, i)[k] = at(cartesian, i)[sensor.index[static_cast<std::size_t>(k)]];
@@ -126,13 +127,13 @@ plr_const_view Kalman::look(const plr_call& call, std::int32_t number, const plr
     const std::int64_t asked = out.common ? 1 : items;
     auto derive = pelorus::arguments<plr_sensor_jacobian>();
     derive.cartesian = slice(seen, 0, asked);
-    derive.out = pelorus::view(memory + block_size * c, m, c, asked);
+    derive.out = pelorus::view(tells_columns ? out.jacobian : memory + block_size * c, m, c, asked);
     const plr_status derived = sensor.part.call(&plr_sensor::jacobian, call, derive);
     tolerate(derived);
     if (out.common && derived != PLR_OK && call.item_status != nullptr)
         std::fill_n(call.item_status, items, call.item_status[0]);
 
-    for (std::int64_t i = 0; i < asked; ++i)
+    for (std::int64_t i = 0; i < asked && !tells_columns; ++i)
         derive_by_state(sensor, at(derive.out, i), state_is_cartesian_ ? nullptr : at(convert.jacobian, i),
                         out.jacobian + i * m * n_);
     return as_const(convert.jacobian);
@@ -158,7 +159,7 @@ plr_status Kalman::project(const plr_call& call, const plr_estimator_project& ar
         if (crossed) cross = items_of(args.cross, first);
         Outcomes outcomes = still_good(block, items);
         seen.kernels(items).project({static_cast<int>(n_), static_cast<int>(by.m), seen.leading,
-                                     static_cast<int>(items), items_of(records, 0), jacobians(looks, by.m),
+                                     static_cast<int>(items), items_of(records, 0), jacobians(args.sensor, looks),
                                      items_of(args.covariance, first), cross, outcomes.data()});
         return for_good_items(block, items, [&](std::int64_t i) {
             require(outcomes[static_cast<std::size_t>(i)]);
@@ -190,7 +191,7 @@ plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args
 
         Outcomes outcomes = still_good(block, items);
         seen.kernels(items).update({static_cast<int>(n_), static_cast<int>(m), seen.leading, static_cast<int>(items),
-                                    items_of(records, 0), jacobians(looks, m), items_of(args.noise, first),
+                                    items_of(records, 0), jacobians(args.sensor, looks), items_of(args.noise, first),
                                     items_of(as_const(compare.out), 0), items_of(args.out, first),
                                     items_of(args.log_likelihood, first), items_of(args.innovation_covariance, first),
                                     outcomes.data()});

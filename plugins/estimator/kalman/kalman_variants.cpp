@@ -24,7 +24,7 @@ Kalman::Whitened Kalman::whiten(const plr_call& call, std::int32_t number, const
     const std::int64_t items = records.count;
     Outcomes outcomes = still_good(call, items);
     const Whitened out{memory, {memory + block_size * n_ * n_, seen, 0, false}};
-    state_kernels_(items).slope({n, m, seen, static_cast<int>(items), true, items_of(records), jacobians(looks, m),
+    state_kernels_(items).slope({n, m, seen, static_cast<int>(items), true, items_of(records), jacobians(number, looks),
                                  out.factors, out.image.kept, outcomes.data()});
     tolerate(settled(call, items, outcomes));
     return out;
@@ -80,19 +80,21 @@ plr_status Kalman::learn(const plr_call& call, std::int32_t index, const Looks& 
     }
     Outcomes outcomes = still_good(call, items);
     seen.kernels(items).update({n, m, seen.leading, static_cast<int>(items), items_of(step.records),
-                                jacobians(looks, m), items_of(step.noise), items_of(step.innovation),
+                                jacobians(index, looks), items_of(step.noise), items_of(step.innovation),
                                 items_of(step.out), items_of(step.log_likelihood), items_of(step.innovation_covariance),
                                 outcomes.data()});
     return settled(call, items, outcomes);
 }
 
 /// The innovation for a linearisation at another point than the mean: z - h(x_i) - H_i (x - x_i).
-void Kalman::innovate_about(const double* record, const double* point, const double* jacobian, std::int64_t m,
+void Kalman::innovate_about(const double* record, const double* point, std::int32_t number, const double* jacobian,
                             double* innovation) const {
+    const auto which = static_cast<std::size_t>(number);
+    const std::int64_t m = sensors_[which].m;
     double step[max_state];
     for (std::int64_t r = 0; r < n_; ++r) step[r] = record[r] - point[r];
     wrap(step);
-    for (std::int64_t c = 0; c < n_; ++c) {
+    for (int c = 0; c < seen_[which].leading; ++c) {
         for (std::int64_t r = 0; r < m; ++r) innovation[r] -= jacobian[c * m + r] * step[c];
     }
 }
@@ -127,9 +129,9 @@ plr_status Kalman::update_iterated(const plr_call& call, const plr_estimator_upd
             compare.reference = as_const(looks.predicted);
             compare.out = pelorus::view(memory + block_size * m, m, 1, items);
             tolerate(by.part.call(&plr_sensor::residual, block, compare));
-            const ItemsIn jacobian = jacobians(looks, m);
+            const ItemsIn jacobian = jacobians(args.sensor, looks);
             for (std::int64_t i = 0; i < items && !is_first; ++i)
-                innovate_about(at(step.records, i), at(points, i), jacobian.first + i * jacobian.stride, m,
+                innovate_about(at(step.records, i), at(points, i), args.sensor, jacobian.first + i * jacobian.stride,
                                at(compare.out, i));
             step.innovation = as_const(compare.out);
             step.log_likelihood = is_first ? slice(args.log_likelihood, first, items) : plr_view{};
