@@ -55,7 +55,7 @@ template <class Plugin> void describe_noise(pelorus::Describe<Plugin>& plugin) {
         .min(0.0)
         .doc(
             "deviation of an acceleration that is constant over the step, in place of noise; with maneuver_rate the "
-            "stationary deviation of the manoeuvres, 1 m/s2 if absent");
+            "stationary deviation of the manoeuvres, where 1 m/s2 stands for none given");
     plugin.parameter("noise_over_extent", &Parameters::over_extent)
         .unit("1/s2")
         .min(0.0)
