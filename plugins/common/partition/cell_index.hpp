@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "memory.hpp"
 #include "radix_sort.hpp"
 #include "scan.hpp"
 
