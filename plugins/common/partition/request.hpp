@@ -1,6 +1,7 @@
 /// How the holder of a partitioner asks it: buffers that grow as needed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
