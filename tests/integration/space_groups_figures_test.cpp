@@ -79,6 +79,20 @@ TEST_CASE("space groups leave no ghosts where detections are missed, unless dupl
     CHECK(stay > objects + 1);
 }
 
+TEST_CASE("space groups leave no ghosts among false alarms and missed detections", "[space_groups][release-only]") {
+    const Json cells =
+        space_cells("space_groups_clutter",
+                    {"--variant", "joint_clean", "--variant", "track_then_group", "--runs", "8", "--set",
+                     "world.sensors.radar.detection_probability=0.9", "--set", "world.sensors.radar.clutter=50"});
+    REQUIRE(cells.size() == 2);
+    for (const Json& cell : cells) {
+        CAPTURE(cell["variant"]);
+        const std::vector<double> groups = column(cell, "groups.by_time", "groups", 661);
+        CHECK(mean(groups) == Approx(mean(column(cell, "groups.by_time", "true_groups", 661))).margin(0.2));
+        CHECK(value(cell, "ospa.false") < 0.1);
+    }
+}
+
 TEST_CASE("the space groups' distance has one address, whatever splits", "[space_groups]") {
     // Two seconds of flight are one group; a centimetre makes each object its own.
     for (const char* variant : {"distance", "joint", "track_then_group"}) {
