@@ -247,3 +247,12 @@ TEST_CASE("example of a zone alarm: a zone that is none is refused", "[release-o
     refused("[[0 m, 0 m], [1 m, 1 m], [2 m, 2 m]]", "enclose no area");
     refused("[[0 m, 0 m, 0 m], [1 m, 0 m, 0 m], [1 m, 1 m, 0 m]]", "column");
 }
+
+TEST_CASE("example of a partitioner in C: the clouds that it splits are two, one where they cross, and two",
+          "[release-only]") {
+    const TemporaryFolder folder;
+    const Json cell = run_config(config_of("distance_partitioner"), folder / "out");
+    CHECK(scalar(cell, "groups.count_at_50") == 2);
+    CHECK(scalar(cell, "groups.count_at_90") == 1);
+    CHECK(scalar(cell, "groups.count_at_150") == 2);
+}

@@ -179,4 +179,5 @@ TEST_CASE("examples: their sources and configs come with the SDK, their plugins 
     }
     CHECK(projects == 5);
     CHECK(fs::exists(installed_examples / "example_zone_alarm.yaml"));
+    CHECK(fs::exists(installed_examples / "example_distance_partitioner.yaml"));
 }
