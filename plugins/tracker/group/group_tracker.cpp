@@ -76,8 +76,8 @@ void GroupTracker::setup_threshold(const pelorus::PartitionerPart& partitioner) 
     pelorus::ValuesBuilder values;
     values.add("partitioner", "threshold", "m", Eigen::MatrixXd::Constant(1, 1, *threshold));
     if (caller_.take(*values.message(0).body.values) == 0)
-        throw pelorus::ParameterError("threshold",
-                                      "the partitioner (" + partitioner.id() + ") has no input `threshold`");
+        throw pelorus::ParameterError(
+            "threshold", "the partitioner (" + partitioner.id() + ") has no input `threshold`: leave this out");
 }
 
 std::vector<pelorus::Stream> GroupTracker::in_streams(std::uint32_t port) const {
