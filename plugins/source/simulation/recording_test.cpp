@@ -180,6 +180,54 @@ TEST_CASE("conversion: what is drawn is told as what is recorded, and lies where
     CHECK(squares == Approx(3.0).margin(4.5 * std::sqrt(6.0 / 800.0)));
 }
 
+TEST_CASE("conversion: a sensor at a site tells places in the scene's axes, with errors along its own line of sight",
+          "[simulation][recording]") {
+    World world("{scans: 100, origin: [37.5 deg, 5 deg, 0 m]}", "{converted: true, site: [37.9 deg, 5.6 deg, 900 m]}",
+                1, "spherical", "{noise: [60 m, 0.01 mrad, 0.01 mrad]}");
+    // WGS84, written out.
+    const double degree = std::acos(-1.0) / 180.0;
+    const auto from_centre = [&](double latitude, double longitude, double height) {
+        const double e2 = 6.69437999014e-3, n = 6378137.0 / std::sqrt(1 - e2 * std::pow(std::sin(latitude), 2));
+        return Vector3d((n + height) * std::cos(latitude) * std::cos(longitude),
+                        (n + height) * std::cos(latitude) * std::sin(longitude),
+                        (n * (1 - e2) + height) * std::sin(latitude));
+    };
+    const double latitude = 37.5 * degree, longitude = 5 * degree;
+    Matrix3d axes;  // east, north, up at the origin
+    axes << -std::sin(longitude), std::cos(longitude), 0.0, -std::sin(latitude) * std::cos(longitude),
+        -std::sin(latitude) * std::sin(longitude), std::cos(latitude), std::cos(latitude) * std::cos(longitude),
+        std::cos(latitude) * std::sin(longitude), std::sin(latitude);
+    const Vector3d site =
+        axes * (from_centre(37.9 * degree, 5.6 * degree, 900.0) - from_centre(latitude, longitude, 0.0));
+    double squares = 0;
+    const std::vector<Scan> told = world.run();
+    REQUIRE(told.size() == 100);
+    for (std::size_t k = 0; k < told.size(); ++k) {
+        const Vector3d truth(3e3 + 10.0 * static_cast<double>(k), 4e3, 0.0), sight = (truth - site).normalized();
+        REQUIRE(told[k].points.cols() == 2);
+        for (Eigen::Index i = 0; i < 2; ++i) {
+            const Vector3d error = told[k].points.col(i) - truth;
+            const MatrixXd& covariance = told[k].covariances[static_cast<std::size_t>(i)];
+            const Vector3d seen = (told[k].points.col(i) - site).normalized();  // covariances are those there
+            CHECK((covariance * seen - 3600.0 * seen).norm() < 1e-3);
+            CHECK((error - error.dot(sight) * sight).norm() < 5.0);
+            squares += error.dot(covariance.ldlt().solve(error)) / 200.0;
+        }
+    }
+    CHECK(squares == Approx(3.0).margin(4.5 * std::sqrt(6.0 / 200.0)));
+}
+
+TEST_CASE("conversion: a site that cannot be is refused by one line", "[simulation][recording]") {
+    const auto refused = [](const std::string& with, const std::string& slot) {
+        return refusal([&] { World("{scans: 3" + with + "}", slot); });
+    };
+    CHECK_THAT(refused("", "{converted: true, site: [0 deg, 0 deg, 0 m]}"), Catch::Contains("`origin`"));
+    CHECK_THAT(refused(", origin: [0 deg, 0 deg, 0 m]", "{site: [0 deg, 0 deg, 0 m]}"),
+               Catch::Contains("converted: true"));
+    CHECK_THAT(refused(", origin: [0 deg, 0 deg, 0 m]", "{converted: true, site: [91 deg, 0 deg, 0 m]}"),
+               Catch::Contains("beyond the poles"));
+}
+
 TEST_CASE("recording: a state is loaded with the recording that it was saved with", "[simulation][recording]") {
     const Files files;
     World world(files.with(), "{}"), same(files.with(), "{}");

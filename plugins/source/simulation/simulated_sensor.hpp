@@ -15,6 +15,7 @@
 
 #include "conversion.hpp"
 #include "draws.hpp"
+#include "site.hpp"
 #include "target.hpp"
 
 namespace simulation {
@@ -32,6 +33,7 @@ struct SensorValues {
     double drop = 0;
     bool shared_error = false;
     bool converted = false;
+    std::optional<std::vector<double>> site;  // rad, rad, m
 };
 
 class SimulatedSensor {
@@ -39,7 +41,9 @@ public:
     static constexpr int max_components = 16;
     static constexpr std::uint64_t stream_radius = 1000;  ///< of points that are uniform in an ellipsoid
 
-    SimulatedSensor(const pelorus::SensorPart& part, const SensorValues& values)
+    /// `origin`: latitude, longitude (rad) and height (m) of the scene's axes, where they are told.
+    SimulatedSensor(const pelorus::SensorPart& part, const SensorValues& values,
+                    const std::optional<std::vector<double>>& origin)
         : part_(part),
           values_(values),
           measurement_(*part.info().measurement),
@@ -54,6 +58,7 @@ public:
         if (part_.info().waveform != nullptr) waveform_ = pelorus::Space(*part_.info().waveform);
         if (values_.clutter > 0) check_box();
         if (values_.converted) conversion_.emplace(part);
+        if (values_.site) stand(origin);
     }
 
     std::string name() const { return part_.name(); }
@@ -165,6 +170,22 @@ private:
         template <class Archive> void state(Archive& archive) { archive(parameters, valid_from, valid_to); }
     };
 
+    void stand(const std::optional<std::vector<double>>& origin) {
+        if (!conversion_ || cartesian_.size() != 3)
+            throw pelorus::PartError("sensors",
+                                     "sensor " + name() +
+                                         " has a site, which is for sensors whose scans tell positions x, y, z "
+                                         "(converted: true); others have a position in their models");
+        if (!origin)
+            throw pelorus::PartError(
+                "sensors", "sensor " + name() + " has a site; say by the simulation's `origin` where the scene is");
+        for (const double latitude : {values_.site->front(), origin->front()})
+            if (!(std::fabs(latitude) <= 2 * std::atan(1.0) * (1 + 1e-15)))
+                throw pelorus::PartError("sensors",
+                                         "sensor " + name() + ": its site, or the origin, is beyond the poles");
+        if (*values_.site != *origin) site_.emplace(*origin, *values_.site);
+    }
+
     void check_box() {
         if (!values_.clutter_min || !values_.clutter_max)
             throw pelorus::PartError("sensors",
@@ -250,13 +271,15 @@ private:
         const std::int64_t m = measurement_.size(), c = cartesian_.size(),
                            n = static_cast<std::int64_t>(numbers.size());
         std::vector<double> exact(static_cast<std::size_t>(m * n)), noise(static_cast<std::size_t>(m * m * n));
+        std::vector<double> seen = points;
+        if (site_) site_->to_site(seen);
         auto measure = pelorus::arguments<plr_sensor_measure>();
-        measure.cartesian = pelorus::const_view(points.data(), c, n, 1);
+        measure.cartesian = pelorus::const_view(seen.data(), c, n, 1);
         measure.out = pelorus::view(exact.data(), m, n, 1);
         caller.require(part_.call(&plr_sensor::measure, caller.begin(time, 1), measure),
                        "sensor " + name() + ", measure");
         auto spread = pelorus::arguments<plr_sensor_noise>();
-        spread.cartesian = pelorus::const_view(points.data(), c, 1, n);
+        spread.cartesian = pelorus::const_view(seen.data(), c, 1, n);
         if (const double* waveform = waveform_at(time))
             spread.waveform = pelorus::common_view(waveform, waveform_.size(), 1, n);
         spread.out = pelorus::view(noise.data(), m, m, n);
@@ -269,6 +292,7 @@ private:
             disturb(exact.data() + k * size, noise.data() + k * size * size, unit);
         }
         if (conversion_) conversion_->convert(caller, time, exact, noise, n);
+        if (site_) site_->to_scene(exact, noise);
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             if (origins != nullptr) origins->push_back(next_id);
             scan.add(next_id++, exact.data() + k * size, with_covariance ? noise.data() + k * size * size : nullptr);
@@ -292,6 +316,7 @@ private:
     SensorValues values_;
     pelorus::Space measurement_, cartesian_, waveform_{std::vector<pelorus::Component>{}};
     std::optional<Conversion> conversion_;
+    std::optional<Site> site_;  ///< where it is not the scene's origin
     std::uint64_t number_;
     std::vector<int> axis_components_;  ///< where position.x, y, z stand among what it looks at, or -1
     std::vector<std::size_t> box_components_;

@@ -46,6 +46,12 @@ public:
         plugin.parameter("covariances", &Simulation::covariances_)
             .initially("true")
             .doc("tell the measurements' covariances in the scans; else trackers take those of their sensor models");
+        plugin.parameter("origin", &Simulation::origin_)
+            .unit("rad, rad, m")
+            .rows(3, 3)
+            .doc(
+                "latitude, longitude and height (WGS84) where the scene's axes east, north, up begin, for sensors with "
+                "a site");
         plugin.parameter("recording", &Simulation::recording_file_)
             .doc(
                 "NAME_meas.csv of rows k,i,x,y,z (tick, object, m), played in the place of measurements that are "
@@ -65,7 +71,7 @@ public:
             scratch = std::max(scratch, part.info().scratch_bytes);
         }
         for (const auto& part : setup.parts<pelorus::SensorPart>("sensors")) {
-            sensors_.emplace_back(part, description.slot_values<SensorValues>(part.raw()));
+            sensors_.emplace_back(part, description.slot_values<SensorValues>(part.raw()), origin_);
             scratch = std::max(scratch, sensors_.back().scratch_bytes());
             for (const Target& target : targets_) sensors_.back().check(target);
         }
@@ -202,6 +208,13 @@ private:
         plugin.slot_parameter("shared_error", &SensorValues::shared_error)
             .initially("false")
             .doc("one error a scan that all its points share, instead of one a point; scans tell the same covariances");
+        plugin.slot_parameter("site", &SensorValues::site)
+            .unit("rad, rad, m")
+            .rows(3, 3)
+            .doc(
+                "latitude, longitude and height (WGS84) where a sensor with `converted` stands, its axes east, north, "
+                "up there; "
+                "what it tells is moved back to the scene's axes; absent: at the scene's origin");
         plugin.slot_parameter("converted", &SensorValues::converted)
             .initially("false")
             .doc(
@@ -335,6 +348,7 @@ private:
     std::optional<double> duration_;
     std::int64_t first_scan_ = 0;
     bool covariances_ = true;
+    std::optional<std::vector<double>> origin_;  // rad, rad, m
     std::optional<std::filesystem::path> recording_file_;
 
     Draws draws_;
