@@ -37,6 +37,9 @@ void WaveformScheduler::describe(pelorus::Describe<WaveformScheduler>& plugin) {
 
 void WaveformScheduler::setup(const pelorus::Setup& setup) {
     filter_.setup(setup, "estimator");
+    for (int c = 0; c < filter_.cartesian().size(); ++c)
+        if (const int place = one_track::kinematic_place(filter_.cartesian()[c].name); place >= 0 && place < 3)
+            positions_.push_back(c);
     waveform_ = setup.part<pelorus::WaveformPart>("waveform");
     find_sensor();
     check_waveform();
@@ -132,9 +135,7 @@ std::int64_t WaveformScheduler::chosen_track(const plr_tracks& tracks) const {
         if (tracks.status[i] == PLR_TRACK_DELETED) continue;
         const auto covariance = pelorus::item(tracks.covariance, i);
         double variance = 0;
-        for (int c = 0; c < filter_.cartesian().size(); ++c)
-            if (const int place = one_track::kinematic_place(filter_.cartesian()[c].name); place >= 0 && place < 3)
-                variance += covariance(c, c);
+        for (const int c : positions_) variance += covariance(c, c);
         const bool better =
             policy_ == Policy::worst ? variance > largest : best >= 0 && tracks.ids[i] < tracks.ids[best];
         if (best >= 0 && !better) continue;

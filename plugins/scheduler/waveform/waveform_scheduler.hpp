@@ -51,6 +51,7 @@ private:
     Policy policy_ = Policy::worst;
 
     one_track::Filter filter_;
+    std::vector<int> positions_;  ///< components of a track that are positions
     pelorus::WaveformPart waveform_;
     std::string unit_;  ///< of a command: those of the waveform's parameters
     int sensor_ = 0;
