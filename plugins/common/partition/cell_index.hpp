@@ -78,7 +78,7 @@ private:
     }
 
     /// A range of more cells than are counted: cells are numbered from one point to the next, in ascending order, and a gap
-    /// of the distance or more, over which no two points meet, is told as just beyond reach. Answers the largest number.
+    /// of more than the distance, over which no two points meet, is told as just beyond reach. Answers the largest number.
     std::uint32_t number_by_order(int axis, double distance, std::uint32_t* numbers, Keyed* first,
                                   Keyed* second) const {
         const auto count = static_cast<std::size_t>(points_.count);
@@ -90,7 +90,7 @@ private:
         double origin = coordinate(points_, sorted[0].point, axis), before = origin;
         for (std::size_t k = 0; k < count; ++k) {
             const double value = coordinate(points_, sorted[k].point, axis);
-            if (value - before >= distance) {
+            if (value - before > distance) {
                 base = latest + reach + 1;
                 origin = value;
             }

@@ -67,7 +67,7 @@ public:
                 sum = assigned.sum;
                 if (!assigned.changed) break;
             }
-            if (!(sum < least)) continue;
+            if (attempt > 0 && !(sum < least)) continue;  // sums of points too far apart are infinite
             least = sum;
             best_clusters_ = clusters_;
             std::copy_n(cluster_, count_, best_cluster_);

@@ -17,7 +17,7 @@ public:
     /// partitioner asks for it. Answers the partitioner's status; afterwards the functions below tell the cells.
     plr_status split(const pelorus::PartitionerPart& partitioner, const plr_call& call, plr_partitioner_split args) {
         const std::int64_t points = args.points.count;
-        grow(1, points, points);
+        grow(1, points + args.predictions.count, points);
         const plr_partitioner_info& info = partitioner.info();
         plr_scratch scratch =
             scratch_of(info.scratch_bytes +
@@ -27,7 +27,9 @@ public:
         args.out = &out_;
         plr_status status = partitioner.call(&plr_partitioner::split, own, args);
         if (status != PLR_E_CAPACITY) return status;
-        grow(out_.alternatives, out_.cells, out_.members);
+        grow(out_.alternatives, out_.cells, out_.members);  // overlap, or several alternatives
+        scratch.used = 0;
+        own.error->code = PLR_OK;
         return partitioner.call(&plr_partitioner::split, own, args);
     }
 

@@ -125,3 +125,14 @@ TEST_CASE("dbscan: a point between two clusters goes to the nearer one, or to th
     CHECK(first.split(near_first)[0].points == with_border);
     CHECK(first.split(far_first)[0].points == with_border);
 }
+
+TEST_CASE("dbscan: a step of exactly epsilon counts, however far away other points are", "[partition]") {
+    // Beyond 2^30 cells these are numbered from one point to the next.
+    PartitionerUnderTest dbscan("dbscan", "{epsilon: 1, min_points: 2}");
+    for (const double far : {10.0, 1e12, 1e300}) {
+        INFO("another point at " << far);
+        MatrixXd points(1, 4);
+        points << 0, 1, 2, far;
+        CHECK(first_members(dbscan.split({points, {}, {}, {}, {}}), 4) == std::vector<std::int64_t>{0, 0, 0, 3});
+    }
+}

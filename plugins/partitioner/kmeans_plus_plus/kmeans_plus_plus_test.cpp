@@ -150,3 +150,17 @@ TEST_CASE("k-means++: the key decides, and nothing else", "[partition]") {
 TEST_CASE("k-means++: fewer cells at most than at least are refused", "[partition]") {
     CHECK_THROWS_WITH(PartitionerUnderTest("kmeans_plus_plus", cells_of(5, 4)), "most_cells: is less than least_cells");
 }
+
+TEST_CASE("k-means++: points so far apart that no sum of squares is finite are still each in one cell", "[partition]") {
+    MatrixXd points(2, 5);
+    points << -1e200, 1e200, 0, 1.7e308, -1.7e308,  //
+        0, 0, 1e200, 1.7e308, -1.7e308;
+    for (const char* criterion : {"bic", "silhouette"}) {
+        const auto cells =
+            PartitionerUnderTest("kmeans_plus_plus", cells_of(2, 4, std::string(", criterion: ") + criterion))
+                .split({points, {}, {}, {}, {}});
+        std::size_t members = 0;
+        for (const auto& cell : cells) members += cell.points.size();
+        CHECK(members == 5);
+    }
+}

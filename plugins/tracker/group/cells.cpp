@@ -1,8 +1,5 @@
 #include "cells.hpp"
 
-#include <algorithm>
-#include <string>
-
 namespace group {
 
 void Predictions::add(std::uint64_t id, const Eigen::VectorXd& position, const Eigen::MatrixXd& spread,
@@ -30,37 +27,6 @@ Eigen::MatrixXd Predictions::shape(std::size_t k, int dimension) const {
 void Cells::setup(const pelorus::PartitionerPart& partitioner, const plr_parallel* parallel) {
     partitioner_ = partitioner;
     parallel_ = parallel;
-    out_.struct_size = sizeof out_;
-}
-
-void Cells::reserve(std::int64_t alternatives, std::int64_t cells, std::int64_t members) {
-    const auto grow = [](std::int64_t& capacity, std::int64_t wanted) { capacity = std::max(capacity, wanted); };
-    grow(out_.alternative_capacity, alternatives);
-    grow(out_.cell_capacity, cells);
-    grow(out_.member_capacity, members);
-    const auto size = [](std::int64_t n) { return static_cast<std::size_t>(n); };
-    alternative_offsets_.resize(size(out_.alternative_capacity) + 1);
-    alternative_weights_.resize(size(out_.alternative_capacity));
-    cell_offsets_.resize(size(out_.cell_capacity) + 1);
-    cell_predictions_.resize(size(out_.cell_capacity));
-    member_points_.resize(size(out_.member_capacity));
-    member_weights_.resize(size(out_.member_capacity));
-    out_.alternative_offsets = alternative_offsets_.data();
-    out_.alternative_weights = alternative_weights_.data();
-    out_.cell_offsets = cell_offsets_.data();
-    out_.cell_predictions = cell_predictions_.data();
-    out_.member_points = member_points_.data();
-    out_.member_weights = member_weights_.data();
-}
-
-plr_scratch Cells::scratch_for(std::int64_t points_and_predictions) {
-    constexpr std::size_t line = 64;
-    const plr_partitioner_info& info = partitioner_.info();
-    const std::uint64_t bytes =
-        info.scratch_bytes + info.scratch_bytes_point * static_cast<std::uint64_t>(points_and_predictions);
-    if (scratch_.size() < bytes + line) scratch_.resize(static_cast<std::size_t>(bytes) + line);
-    const std::size_t past = reinterpret_cast<std::uintptr_t>(scratch_.data()) % line;
-    return {scratch_.data() + (line - past) % line, bytes, 0};
 }
 
 std::vector<Cell> Cells::split(pelorus::Caller& caller, const plr_call& context, const Points& points,
@@ -75,37 +41,21 @@ std::vector<Cell> Cells::split(pelorus::Caller& caller, const plr_call& context,
                             pelorus::const_view(predictions.covariance.data(), d, d, count),
                             pelorus::const_view(predictions.extent.data(), d, d, count)};
     args.parallel = parallel_;
-    args.out = &out_;
-    plr_scratch scratch = scratch_for(n + count);
-    plr_call call = context;
-    call.scratch = &scratch;
-    reserve(1, n + count, n);
-    plr_status status = partitioner_.call(&plr_partitioner::split, call, args);
-    if (status == PLR_E_CAPACITY) {  // overlap, or several alternatives
-        reserve(out_.alternatives, out_.cells, out_.members);
-        scratch.used = 0;
-        call.error->code = PLR_OK;
-        status = partitioner_.call(&plr_partitioner::split, call, args);
-    }
-    caller.require(status, "partitioner, split");
+    caller.require(request_.split(partitioner_, context, args), "partitioner, split");
     return likeliest();
 }
 
 std::vector<Cell> Cells::likeliest() const {
-    if (out_.alternatives == 0) return {};
-    const auto last = alternative_weights_.begin() + out_.alternatives;
-    const auto best =
-        static_cast<std::size_t>(std::max_element(alternative_weights_.begin(), last) - alternative_weights_.begin());
+    if (request_.alternatives() == 0) return {};
+    std::int64_t best = 0;
+    for (std::int64_t a = 1; a < request_.alternatives(); ++a)
+        if (request_.weight(a) > request_.weight(best)) best = a;
     std::vector<Cell> cells;
-    for (auto c = static_cast<std::size_t>(alternative_offsets_[best]);
-         c < static_cast<std::size_t>(alternative_offsets_[best + 1]); ++c) {
-        Cell& cell = cells.emplace_back();
-        cell.prediction = cell_predictions_[c];
-        for (auto m = static_cast<std::size_t>(cell_offsets_[c]); m < static_cast<std::size_t>(cell_offsets_[c + 1]);
-             ++m) {
-            cell.members.push_back(static_cast<std::size_t>(member_points_[m]));
-            cell.weights.push_back(member_weights_[m]);
-        }
+    for (std::int64_t c = request_.first_cell(best); c < request_.first_cell(best + 1); ++c) {
+        const std::int64_t* const points = request_.points(c);
+        const double* const weights = request_.weights(c);
+        cells.push_back(
+            {request_.prediction(c), {points, points + request_.size(c)}, {weights, weights + request_.size(c)}});
     }
     return cells;
 }

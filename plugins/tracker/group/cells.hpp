@@ -9,6 +9,7 @@
 #include <pelorus/parts.hpp>
 
 #include "../../common/extended/points.hpp"
+#include "../../common/partition/request.hpp"
 
 namespace group {
 
@@ -46,16 +47,11 @@ public:
                             const Predictions& predictions);
 
 private:
-    void reserve(std::int64_t alternatives, std::int64_t cells, std::int64_t members);
-    plr_scratch scratch_for(std::int64_t points_and_predictions);
     std::vector<Cell> likeliest() const;
 
     pelorus::PartitionerPart partitioner_;
     const plr_parallel* parallel_ = nullptr;
-    plr_partition out_{};
-    std::vector<std::int64_t> alternative_offsets_, cell_offsets_, cell_predictions_, member_points_;
-    std::vector<double> alternative_weights_, member_weights_;
-    std::vector<unsigned char> scratch_;
+    partition::Request request_;
 };
 
 }  // namespace group

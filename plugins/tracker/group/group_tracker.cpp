@@ -30,7 +30,7 @@ void GroupTracker::setup(const pelorus::Setup& setup) {
                                                     " dimensions; the extent has " + std::to_string(dimension));
     setup_threshold(partitioner);
     cells_.setup(partitioner, setup.optional_service<plr_parallel>());
-    // Cells that may overlap are made about predictions; who makes none of those leaves the association to the tracker.
+    // Cells that may overlap are made about predictions; elsewhere the tracker itself brings groups to cells, unless told otherwise.
     const bool overlaps = (partitioner.raw().description->flags & PLR_DESCRIPTION_OVERLAP) != 0;
     by_ = association.value_or(overlaps ? Association::by_partitioner : Association::nearest);
     gate_ = quantile(gate_probability, dimension);

@@ -8,9 +8,15 @@
 namespace group {
 
 void Lineage::see(Sighting&& newest) {
-    constexpr std::size_t kept = 3;  // the first two scans of a start, and the one before them
+    constexpr std::size_t kept = 3;  // those of the first two scans of a start, and the one before them
     seen_.push_back(std::move(newest));
-    if (seen_.size() > kept) seen_.pop_front();
+    // Of sensors that look at one time a start takes one scan only: times are counted, not scans.
+    const auto times = [this] {
+        std::set<std::int64_t> all;
+        for (const Sighting& sighting : seen_) all.insert(sighting.points.time);
+        return all.size();
+    };
+    while (times() > kept) seen_.pop_front();
 }
 
 const Sighting* Lineage::before(std::int64_t time) const {

@@ -37,7 +37,7 @@ private:
     const Sighting* before(std::int64_t time) const;
 
     double gate_ = 0;
-    std::deque<Sighting> seen_;  ///< of the last scans, oldest first: those that a start spans and the one before
+    std::deque<Sighting> seen_;  ///< of the last times, oldest first: those that a start spans and the one before
 };
 
 /// The owner of the point that is nearest, within the gate; 0: none. `distances`: squared, of each point.

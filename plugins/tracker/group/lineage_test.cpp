@@ -49,6 +49,18 @@ TEST_CASE("group lineage: a group comes from those whose members its members wer
     CHECK(lineage.parents_of(moving(0, {{0, 0, 0}})).empty());    // nothing is known from before
 }
 
+TEST_CASE("group lineage: scans of several sensors at one time do not displace the scan before a start",
+          "[tracker.group]") {
+    Lineage lineage;
+    lineage.setup(11.345);
+    lineage.see({points_at(0, {{0, 0, 0}}), {{7}}});
+    for (int k = 1; k < 3; ++k)
+        for (int sensor = 0; sensor < 3; ++sensor) lineage.see({points_at(k, {{10.0 * k, 0, 0}}), Owners(1)});
+    CHECK(lineage.parents_of(moving(1, {{10, 0, 0}})) == Ids{7});
+    lineage.see({points_at(3, {{30, 0, 0}}), Owners(1)});  // no start reaches so far back any more
+    CHECK(lineage.parents_of(moving(1, {{10, 0, 0}})).empty());
+}
+
 TEST_CASE("group lineage: a point of two groups leads to both", "[tracker.group]") {
     Lineage lineage;
     lineage.setup(11.345);

@@ -108,9 +108,11 @@ public:
     /// The record: the velocity that each decoy leaves with, relative to the object (m/s).
     void realise(const plr_call& call, const plr_view& record) const {
         pelorus::expect(record, info.record_size, 1, 1, "record");
-        if (call.keys == nullptr) throw pelorus::ArgumentError("keys: this trajectory draws random numbers, got none");
+        if (call.keys == nullptr && info.flags != 0)
+            throw pelorus::ArgumentError("keys: this trajectory draws random numbers, got none");
+        const plr_key key = call.keys == nullptr ? plr_key{} : call.keys[0];
         for (std::int64_t i = 0; i < decoys_; ++i) {
-            const Vector<3> added = drawn(call.keys[0], static_cast<std::uint64_t>(i));
+            const Vector<3> added = drawn(key, static_cast<std::uint64_t>(i));
             for (int axis = 0; axis < 3; ++axis) record.data[(3 * i + axis) * record.row_stride] = added(axis);
         }
     }
