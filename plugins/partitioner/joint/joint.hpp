@@ -18,7 +18,7 @@ public:
             .equation(
                 "gate e' (lambda X + R)^-1 e < chi-square(p, d); the part with the least e' (H P H' + mean R)^-1 "
                 "e; weights N(e; 0, H P H' + R)/max(|e|, 1 mm), normalised")
-            .source("L. Han, H. Zhou, Journal of Ordnance Equipment Engineering 41(12), 2020");
+            .source("L. Han, L. Zhou, Journal of Ordnance Equipment Engineering 41(12), 2020");
         partition::describe_threshold_input(plugin);
         PredictedCellSettings::describe(plugin, "0.9999",
                                         "d0: distance below which measurements belong together, in a gate and outside");

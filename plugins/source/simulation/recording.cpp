@@ -28,6 +28,11 @@ std::filesystem::path truth_beside(const std::filesystem::path& measured) {
     return measured.parent_path() / name;
 }
 
+/// FNV-1a, 64 bits.
+std::uint64_t digested(std::uint64_t digest, char next) noexcept {
+    return (digest ^ static_cast<unsigned char>(next)) * 1099511628211u;
+}
+
 struct Row {
     std::uint64_t tick = 0, object = 0;
     double position[3] = {0, 0, 0};  // m
@@ -64,7 +69,8 @@ Recording::Table Recording::read(const std::filesystem::path& file) {
     Table table;
     std::string line;
     for (std::uint64_t number = 1; std::getline(in, line); ++number) {
-        for (const char c : line) digest_ = (digest_ ^ static_cast<unsigned char>(c)) * 1099511628211u;
+        for (const char c : line) digest_ = digested(digest_, c);
+        digest_ = digested(digest_, '\n');
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty()) continue;
         const std::string where = file.string() + ", line " + std::to_string(number) + ": ";

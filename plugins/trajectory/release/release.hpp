@@ -108,7 +108,7 @@ public:
     /// The record: the velocity that each decoy leaves with, relative to the object (m/s).
     void realise(const plr_call& call, const plr_view& record) const {
         pelorus::expect(record, info.record_size, 1, 1, "record");
-        if (call.keys == nullptr && info.flags != 0)
+        if (call.keys == nullptr && (info.flags & PLR_FLAG_USES_KEYS) != 0)
             throw pelorus::ArgumentError("keys: this trajectory draws random numbers, got none");
         const plr_key key = call.keys == nullptr ? plr_key{} : call.keys[0];
         for (std::int64_t i = 0; i < decoys_; ++i) {

@@ -157,6 +157,24 @@ TEST_CASE("release: a decoy more leaves the others as they are, and another key 
     CHECK(a[1] != c[1]);
 }
 
+TEST_CASE("release: a key is asked for only where something is drawn", "[release]") {
+    const auto status_without_key = [](const std::string& with) {
+        Bench bench;
+        BenchInstance instance(bench, plugin("trajectory", "release"), with);
+        const auto& table = instance.table<plr_trajectory>();
+        std::vector<double> numbers(static_cast<std::size_t>(table.info(instance.self())->record_size), 7.0);
+        const plr_view record = pelorus::view(numbers.data(), static_cast<std::int64_t>(numbers.size()), 1, 1);
+        Call call;
+        const plr_status status = table.realise(instance.self(), &call.raw(), &record);
+        for (const double each : numbers) CHECK(each == (status == PLR_OK ? 4.0 : 7.0));
+        return status;
+    };
+    const std::string flat = "{start: [0, 0, 1000], velocity: [0, 0, 0], ";
+    CHECK(status_without_key(flat + "decoys: 0}") == PLR_OK);
+    CHECK(status_without_key(flat + "release: axes, release_speed: [4, 4]}") == PLR_OK);
+    CHECK(status_without_key(flat + "release_speed: [4, 4]}") == PLR_E_ARGUMENT);
+}
+
 TEST_CASE("release: what makes no sense is refused by name", "[release]") {
     const std::string flat = "{start: [0, 0, 1000], velocity: [0, 0, 0], ";
     CHECK(refusal_of("trajectory", "release", flat + "release_speed: [10, 3]}") ==
