@@ -26,6 +26,7 @@ PELORUS_FIRST_SIZE(plr_component, 40);
 PELORUS_FIRST_SIZE(plr_stream, 32);
 PELORUS_FIRST_SIZE(plr_external, 8);
 PELORUS_FIRST_SIZE(plr_call, 88);
+PELORUS_FIRST_SIZE(plr_frame_pose, 104);
 PELORUS_FIRST_SIZE(plr_motion_info, 48);
 PELORUS_FIRST_SIZE(plr_sensor_info, 48);
 PELORUS_FIRST_SIZE(plr_estimator_info, 56);

@@ -3,6 +3,7 @@
 #include <GeographicLib/Geocentric.hpp>
 #include <stdexcept>
 
+#include "host/first_size.hpp"
 #include "host/plugin_error.hpp"
 #include "host/services.hpp"
 
@@ -121,17 +122,17 @@ const FrameTree::Frame* FrameTree::require(const char* name, plr_error* error) c
     return nullptr;
 }
 
-plr_status FrameTree::transform(void* context, const char* from, const char* to, double rotation[9],
-                                double translation[3], plr_error* error) noexcept {
+plr_status FrameTree::transform(void* context, const char* from, const char* to, std::int64_t, plr_frame_pose* out,
+                                plr_error* error) noexcept {
     const auto& self = *static_cast<const FrameTree*>(context);
     return answer(error, [&](plr_error& own) -> plr_status {
-        if (rotation == nullptr || translation == nullptr)
+        if (out == nullptr || out->struct_size < first_size<plr_frame_pose>)
             return tell(&own, PLR_E_DATA, "frames: transform has nowhere to write");
         const Frame* const source = self.require(from, &own);
         const Frame* const target = source == nullptr ? nullptr : self.require(to, &own);
         if (target == nullptr) return PLR_E_DATA;
         if (source == target) {  // exactly nothing, not nearly
-            write({Matrix3d::Identity(), Vector3d::Zero()}, rotation, translation);
+            write({Matrix3d::Identity(), Vector3d::Zero()}, out->rotation, out->translation);
             return PLR_OK;
         }
         Isometry in = read(source->to_anchor);
@@ -145,7 +146,7 @@ plr_status FrameTree::transform(void* context, const char* from, const char* to,
             // First between the two origins: only there do numbers as large as the Earth's radius cancel.
             in = compose(between(read(source_origin->second), read(target_origin->second)), in);
         }
-        write(between(in, read(target->to_anchor)), rotation, translation);
+        write(between(in, read(target->to_anchor)), out->rotation, out->translation);
         return PLR_OK;
     });
 }

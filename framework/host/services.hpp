@@ -57,7 +57,7 @@ private:
     };
     const Frame* require(const char* name, plr_error* error) const;
     const Pose* require_earth(const char* name, const Frame& frame, plr_error* error) const;
-    static plr_status transform(void*, const char*, const char*, double*, double*, plr_error*) noexcept;
+    static plr_status transform(void*, const char*, const char*, std::int64_t, plr_frame_pose*, plr_error*) noexcept;
     static plr_status from_geodetic(void*, const char*, const double*, double*, plr_error*) noexcept;
     static plr_status to_geodetic(void*, const char*, const double*, double*, plr_error*) noexcept;
 

@@ -124,10 +124,10 @@ EstimatorBench::Step EstimatorBench::motion_step(double dt, const Gaussian& stat
     call.out = {output("predicted", n, 1), output("jacobian", n, n), output("noise", n, n)};
     call.invoke = [own, self = motion_->instance.self](const plr_call& context, const Views& v) {
         const plr_const_view none = v.in[3];
-        const plr_motion_propagate moving{sizeof moving, 0, v.in[0], v.in[1], none, v.out[0], none};
+        const plr_motion_propagate moving{sizeof moving, 0, v.in[0], v.in[1], none, none, v.out[0]};
         plr_status status = own->propagate(self, &context, &moving);
         if (status != PLR_OK) return status;
-        const plr_motion_jacobian deriving{sizeof deriving, 0, v.in[0], v.in[1], none, v.out[1], none};
+        const plr_motion_jacobian deriving{sizeof deriving, 0, v.in[0], v.in[1], none, none, v.out[1]};
         status = own->jacobian(self, &context, &deriving);
         if (status != PLR_OK) return status;
         const plr_view& p = v.out[0];

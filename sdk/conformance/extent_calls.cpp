@@ -75,7 +75,7 @@ HotCall ExtentCalls::predict(const Argument& dt, const Argument& record, const A
             const plr_joint_predict args{sizeof args, 0, v.in[0], v.in[1], v.out[0]};
             return extension->predict(self, &context, &args);
         }
-        const plr_extent_predict args{sizeof args, 0, v.in[0], v.in[2], v.in[3], v.in[1], v.out[0], v.in[4], v.in[5]};
+        const plr_extent_predict args{sizeof args, 0, v.in[0], v.in[2], v.in[4], v.in[3], v.in[5], v.in[1], v.out[0]};
         return own->predict(self, &context, &args);
     };
     return call;
@@ -111,8 +111,8 @@ HotCall ExtentCalls::update(const PointsOfScan& scan, const Argument& record, co
             const plr_joint_update args{sizeof args, 0, points, v.in[0], v.out[0], v.out[1], v.out[2], v.out[3]};
             return extension->update(self, &context, &args);
         }
-        const plr_extent_update args{sizeof args, 0,       points,   v.in[4],  v.in[5],
-                                     v.in[6],     v.in[0], v.out[0], v.out[1], v.in[7]};
+        const plr_extent_update args{sizeof args, 0,       points,  v.in[4],  v.in[5],
+                                     v.in[6],     v.in[7], v.in[0], v.out[0], v.out[1]};
         return own->update(self, &context, &args);
     };
     return call;

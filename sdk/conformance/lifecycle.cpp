@@ -83,7 +83,7 @@ PELORUS_CHECK(
     {"instance-is-accepted"}) {
     const auto instance = bench.make();
     for (const char* const id :
-         {"", "org.example.no_such_extension/1", "pelorus.motion.structure.draft/999", "pelorus.", "x"})
+         {"", "org.example.no_such_extension/1", "pelorus.motion.structure/999", "pelorus.", "x"})
         if (instance->extension<void>(id) != nullptr)
             FAIL_CHECK("extension(\"" << id << "\") answered a table; there is no such extension");
 }

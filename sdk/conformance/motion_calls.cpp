@@ -43,7 +43,7 @@ HotCall propagate(const Instance& instance, const Argument& dt, const Argument& 
                weightless(renamed(mean, "mean"))};
     call.out = {output("out", state.rows, state.cols)};
     call.invoke = [motion = &table(instance), self = instance.self()](const plr_call& context, const Views& v) {
-        const plr_motion_propagate args{sizeof args, 0, v.in[0], v.in[1], v.in[2], v.out[0], v.in[3]};
+        const plr_motion_propagate args{sizeof args, 0, v.in[0], v.in[1], v.in[3], v.in[2], v.out[0]};
         return motion->propagate(self, &context, &args);
     };
     return call;
@@ -57,7 +57,7 @@ HotCall jacobian(const Instance& instance, const Argument& dt, const Argument& s
                weightless(renamed(mean, "mean"))};
     call.out = {output("out", state.rows, state.rows)};
     call.invoke = [motion = &table(instance), self = instance.self()](const plr_call& context, const Views& v) {
-        const plr_motion_jacobian args{sizeof args, 0, v.in[0], v.in[1], v.in[2], v.out[0], v.in[3]};
+        const plr_motion_jacobian args{sizeof args, 0, v.in[0], v.in[1], v.in[3], v.in[2], v.out[0]};
         return motion->jacobian(self, &context, &args);
     };
     return call;

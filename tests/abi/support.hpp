@@ -11,7 +11,7 @@ namespace pelorus::test {
 
 /// Folders that hold `pelorus/abi/*.h`.
 inline const std::string today = PELORUS_SOURCE_DIR "/sdk/include";
-inline const std::string older = PELORUS_SOURCE_DIR "/tests/abi/headers-0.1";
+inline const std::string older = PELORUS_SOURCE_DIR "/tests/abi/headers-1.1";
 
 /// tests/abi/abi.py COMMAND for a folder of headers and one of records.
 Ended abi(const std::string& command, const std::string& headers, const std::string& baseline,

@@ -148,7 +148,7 @@ TEST_CASE("a newer set of headers is growth and nothing else", "[abi]") {
 TEST_CASE("a plugin of any minor version of the ABI is taken, one of another major is refused before it runs",
           "[abi]") {
     const TemporaryFolder folder;
-    const std::string version = "#define PLR_ABI_MAJOR 0\n#define PLR_ABI_MINOR 1\n";
+    const std::string version = "#define PLR_ABI_MAJOR 1\n#define PLR_ABI_MINOR 1\n";
     const auto inspect = [&](const std::string& name, const std::string& major, const std::string& minor) {
         std::filesystem::create_directories(folder.path() / name / "pelorus");
         std::filesystem::copy(today + "/pelorus/abi", folder.path() / name / "pelorus/abi",
@@ -159,15 +159,15 @@ TEST_CASE("a plugin of any minor version of the ABI is taken, one of another maj
         compile_plugin(folder / name, known_turn, folder / name + "-plugins/known_turn.so");
         return pelorus_command({"inspect", "org.example.motion.known_turn", "--plugins", folder / name + "-plugins"});
     };
-    CHECK(inspect("older-minor", "0", "0").exit == 0);
-    CHECK(inspect("newer-minor", "0", "65535").exit == 0);
-    const Ended refused = inspect("newer-major", "1", "0");
+    CHECK(inspect("older-minor", "1", "0").exit == 0);
+    CHECK(inspect("newer-minor", "1", "65535").exit == 0);
+    const Ended refused = inspect("newer-major", "2", "0");
     CHECK(refused.exit == 2);
     CHECK_THAT(refused.err,
-               Contains("plugin org.example.motion.known_turn speaks ABI 1, this host 0: rebuild it with the "
+               Contains("plugin org.example.motion.known_turn speaks ABI 2, this host 1: rebuild it with the "
                         "SDK of this host"));
     compile(older, programs + "host.c", folder / "host", {"-ldl"});
     CHECK(run({folder / "host", "abi", folder / "newer-minor-plugins/known_turn.so"}).out == "taken\n");
     CHECK(run({folder / "host", "abi", folder / "newer-major-plugins/known_turn.so"}).err ==
-          "refused: it speaks ABI 1, this host 0\n");
+          "refused: it speaks ABI 2, this host 1\n");
 }

@@ -221,7 +221,7 @@ TEST_CASE("libpelorus: versions, nodes and ports are told") {
     CHECK(pelorus_is_compatible() == 1);
     CHECK(pelorus_serves(PELORUS_API_MAJOR + 1, 0, PLR_MESSAGES) == 0);
     CHECK(pelorus_serves(PELORUS_API_MAJOR, PELORUS_API_MINOR + 1, PLR_MESSAGES) == 0);
-    CHECK(pelorus_serves(PELORUS_API_MAJOR, PELORUS_API_MINOR, "pelorus.message.draft/0") == 0);
+    CHECK(pelorus_serves(PELORUS_API_MAJOR, PELORUS_API_MINOR, "pelorus.message/0") == 0);
     CHECK(pelorus_serves(PELORUS_API_MAJOR, PELORUS_API_MINOR, nullptr) == 0);
 
     const Pipeline pipeline = opened();

@@ -33,12 +33,14 @@ std::array<double, 3> moved(const std::string& text, const char* from, const cha
     const graph::Value block = graph::read_yaml(text, {{}, "f.yaml", "/"});
     graph::read_frames(&block, tree, found);
     REQUIRE(found.empty());
-    double rotation[9], translation[3];
+    plr_frame_pose pose{};
+    pose.struct_size = sizeof pose;
     plr_error error{};
-    REQUIRE(tree.service().transform(tree.service().context, from, to, rotation, translation, &error) == PLR_OK);
+    REQUIRE(tree.service().transform(tree.service().context, from, to, 0, &pose, &error) == PLR_OK);
     std::array<double, 3> out{};
     for (std::size_t i = 0; i < 3; ++i)
-        out[i] = rotation[i] * point[0] + rotation[3 + i] * point[1] + rotation[6 + i] * point[2] + translation[i];
+        out[i] = pose.rotation[i] * point[0] + pose.rotation[3 + i] * point[1] + pose.rotation[6 + i] * point[2] +
+                 pose.translation[i];
     return out;
 }
 
@@ -121,8 +123,9 @@ TEST_CASE("A node's frame is one of the config, and its instances are told", "[g
         const auto* frames = static_cast<const plr_frames*>(config.host->service(config.host, PLR_SERVICE_FRAMES));
         REQUIRE(frames != nullptr);
         plr_error error{};
-        double rotation[9], translation[3];
-        CHECK(frames->transform(frames->context, "site", "", rotation, translation, &error) == PLR_OK);
+        plr_frame_pose pose{};
+        pose.struct_size = sizeof pose;
+        CHECK(frames->transform(frames->context, "site", "", 0, &pose, &error) == PLR_OK);
         return PLR_OK;
     };
     const std::string start = "pelorus: 1\nframes: {site: {translation: [1, 2, 3]}}\ngraph: {n: {use: source.plain";

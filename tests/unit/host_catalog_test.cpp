@@ -115,13 +115,13 @@ TEST_CASE("An unknown id is answered with what was searched and the nearest id",
     }
 }
 
-TEST_CASE("Another ABI or draft is refused before any code of the plugin runs", "[host]") {
+TEST_CASE("Another ABI or table is refused before any code of the plugin runs", "[host]") {
     const std::string abi = load_error_before_any_code("other_abi", "motion.other_abi");
     CHECK_THAT(abi, Contains("plugin motion.other_abi speaks ABI 99, this host " + std::to_string(PLR_ABI_MAJOR) +
                              ": rebuild it with the SDK of this host"));
     CHECK_THAT(abi, Contains(fixture("other_abi").string()));
-    CHECK_THAT(load_error_before_any_code("other_draft", "motion.other_draft"),
-               Contains("plugin motion.other_draft speaks pelorus.motion.draft/0, this host " PLR_MOTION
+    CHECK_THAT(load_error_before_any_code("other_table", "motion.other_table"),
+               Contains("plugin motion.other_table speaks pelorus.motion.draft/1, this host " PLR_MOTION
                         ": rebuild it with the SDK of this host"));
     CHECK_THAT(load_error_before_any_code("unknown_kind", "motion.unknown_kind"),
                Contains("is of kind levitation, which this host does not know (it knows motion, sensor, "));
@@ -243,7 +243,7 @@ TEST_CASE("What anyone may write or replace is not loaded", "[host]") {
         fs::permissions(library, fs::perms::others_write, fs::perm_options::add);
         CHECK_THAT(error_of([&] { catalog.load("motion.good"); }), Contains("anyone may write this file"));
         fs::remove(library);
-        folder.copy("other_draft", "open/good.so");
+        folder.copy("other_table", "open/good.so");
         CHECK_THAT(error_of([&] { catalog.load("motion.good"); }), Contains("the file has changed since it was found"));
         fs::remove(library);
         CHECK_THAT(error_of([&] { catalog.load("motion.good"); }), Contains("cannot be examined"));

@@ -10,9 +10,9 @@ using namespace pelorus::host;
 
 namespace {
 
-/// Sizes that the headers of release 0.1 assert, by struct.
+/// Sizes that the headers of ABI 1.1 assert, by struct.
 std::map<std::string, std::uint32_t> sizes_of_first_release() {
-    const std::string text = test::bytes_of(PELORUS_SOURCE_DIR "/tests/abi/headers-0.1/pelorus/abi/layout.h");
+    const std::string text = test::bytes_of(PELORUS_SOURCE_DIR "/tests/abi/headers-1.1/pelorus/abi/layout.h");
     const std::regex assertion(R"(PLR_SIZE\((plr_\w+), (\d+)\))");
     std::map<std::string, std::uint32_t> sizes;
     for (std::sregex_iterator at(text.begin(), text.end(), assertion), end; at != end; ++at)
@@ -36,9 +36,9 @@ template <class... Structs> void expect_first_sizes(const std::vector<std::strin
 
 TEST_CASE("The host asks plugins for no more than the structs of the first release had", "[host]") {
     expect_first_sizes<plr_manifest, plr_description, plr_parameter, plr_input, plr_slot, plr_port, plr_space,
-                       plr_component, plr_stream, plr_external, plr_call>(
+                       plr_component, plr_stream, plr_external, plr_call, plr_frame_pose>(
         {"plr_manifest", "plr_description", "plr_parameter", "plr_input", "plr_slot", "plr_port", "plr_space",
-         "plr_component", "plr_stream", "plr_external", "plr_call"});
+         "plr_component", "plr_stream", "plr_external", "plr_call", "plr_frame_pose"});
     expect_first_sizes<plr_motion_info, plr_sensor_info, plr_estimator_info, plr_extent_info, plr_partitioner_info,
                        plr_partition, plr_waveform_info, plr_trajectory_info>(
         {"plr_motion_info", "plr_sensor_info", "plr_estimator_info", "plr_extent_info", "plr_partitioner_info",

@@ -39,8 +39,11 @@ Transform transform(const FrameTree& tree, const char* from, const char* to) {
     plr_error error = empty_error();
     const plr_frames& frames = tree.service();
     INFO(error.message);
-    REQUIRE(frames.transform(frames.context, from, to, result.rotation.data(), result.translation.data(), &error) ==
-            PLR_OK);
+    plr_frame_pose pose{};
+    pose.struct_size = sizeof pose;
+    REQUIRE(frames.transform(frames.context, from, to, 0, &pose, &error) == PLR_OK);
+    result.rotation = Matrix3d::Map(pose.rotation);
+    result.translation = Vector3d::Map(pose.translation);
     return result;
 }
 
@@ -61,10 +64,11 @@ Vector3d to_geodetic(const FrameTree& tree, const char* frame, const Vector3d& c
 }
 
 std::string transform_error(const FrameTree& tree, const char* from, const char* to) {
-    double rotation[9], translation[3];
+    plr_frame_pose pose{};
+    pose.struct_size = sizeof pose;
     plr_error error = empty_error();
     const plr_frames& frames = tree.service();
-    REQUIRE(frames.transform(frames.context, from, to, rotation, translation, &error) == PLR_E_DATA);
+    REQUIRE(frames.transform(frames.context, from, to, 0, &pose, &error) == PLR_E_DATA);
     CHECK(error.code == PLR_E_DATA);
     return error.message;
 }
@@ -167,9 +171,12 @@ TEST_CASE("Frames that are not there or not joined are told by name", "[host]") 
     CHECK(transform_error(tree, "radar", "site") ==
           "frame radar and frame site are not joined: one stands on Earth, the other below the root frame");
     const plr_frames& frames = tree.service();
-    double rotation[9], position[3] = {0, 0, 0}, out[3];
-    CHECK(frames.transform(frames.context, "radar", "", nullptr, nullptr, nullptr) == PLR_E_DATA);
-    CHECK(frames.transform(frames.context, "radar", "nowhere", rotation, out, nullptr) == PLR_E_DATA);
+    double position[3] = {0, 0, 0}, out[3];
+    plr_frame_pose pose{};
+    CHECK(frames.transform(frames.context, "radar", "", 0, nullptr, nullptr) == PLR_E_DATA);
+    CHECK(frames.transform(frames.context, "radar", "", 0, &pose, nullptr) == PLR_E_DATA);  // tells no size
+    pose.struct_size = sizeof pose;
+    CHECK(frames.transform(frames.context, "radar", "nowhere", 0, &pose, nullptr) == PLR_E_DATA);
     plr_error error = empty_error();
     CHECK(frames.from_geodetic(frames.context, "radar", position, out, &error) == PLR_E_DATA);
     CHECK_THAT(error.message, Contains("frame radar has no geodetic origin"));

@@ -235,7 +235,7 @@ TEST_CASE("random matrix: parameters and parts of another update are refused", "
           "motion: has 3 axes, the extent has 2 (dimension)");
     const auto uneven = part(bench, "motion", "singer", "{acceleration: [1 m/s2, 2 m/s2, 3 m/s2]}");
     CHECK(refusal("{update: koch}", {{"motion", "", uneven}}) ==
-          "motion: motion.singer does not offer pelorus.motion.structure.draft/1: this update takes a motion F1 (x) "
+          "motion: motion.singer does not offer pelorus.motion.structure/1: this update takes a motion F1 (x) "
           "I, Q1 (x) I");
 }
 

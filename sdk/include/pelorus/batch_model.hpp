@@ -113,16 +113,14 @@ public:
     static plr_extent_joint joint_table(const plr_space* cartesian, const plr_part* sensors,
                                         std::uint32_t sensor_count) noexcept {
         return {sizeof(plr_extent_joint),
-                0,
+                sensor_count,
+                sensors,
                 cartesian,
                 &detail::forward<Derived, plr_joint_init, &Derived::joint_init>,
                 &detail::forward<Derived, plr_joint_predict, &Derived::joint_predict>,
                 &detail::forward<Derived, plr_joint_update, &Derived::joint_update>,
                 &detail::forward<Derived, plr_joint_summary, &Derived::joint_summary>,
-                &detail::forward<Derived, plr_extent_gate, &Derived::joint_gate>,
-                sensors,
-                sensor_count,
-                0};
+                &detail::forward<Derived, plr_extent_gate, &Derived::joint_gate>};
     }
 };
 

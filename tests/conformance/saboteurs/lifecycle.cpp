@@ -122,7 +122,7 @@ plr_status look_at_host(const plr_config& config, plr_error* error) {
     if (DEFECT("earlier-host-is-answered") && host.abi_minor < PLR_ABI_MINOR)
         return refuse(PLR_E_ARGUMENT, "bad version");
     if (NEAR_MISS("earlier-host-is-answered") && host.abi_minor < PLR_ABI_MINOR)
-        return refuse(PLR_E_UNSUPPORTED, "this host is too old: ABI 0.1 is needed");
+        return refuse(PLR_E_UNSUPPORTED, "this host is too old: ABI 1.1 is needed");
     return PLR_OK;
 }
 

@@ -8,7 +8,7 @@
 
 #include "message.h"
 
-#define PLR_CONSISTENCY "pelorus.consistency.draft/1"
+#define PLR_CONSISTENCY "pelorus.consistency/1"
 
 /* The name of a plr_quantity (address "", unit "") in a `values` message: normalised innovations squared. Its `numbers` are
  * 2 x 1 x N, one item for each of `ids`: d^2 = e' S^-1 e of the measurement that the track was updated with, e and S as predicted

@@ -5,7 +5,7 @@
 
 #include "threads.h"
 
-#define PLR_SERVICE_DIAGNOSTICS "pelorus.diagnostics.draft/1"
+#define PLR_SERVICE_DIAGNOSTICS "pelorus.diagnostics/1"
 
 typedef struct plr_diagnostics {
   uint32_t struct_size;

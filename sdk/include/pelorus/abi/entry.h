@@ -6,8 +6,8 @@
  * The manifest repeats the facts in the ELF section `pelorus`: an array of plr_manifest, one for each plugin of the library.
  * With it, a host that looks for one plugin among a thousand libraries opens that one alone.
  *
- * Draft ids: until an id reads `pelorus.KIND/1` its table may change; the number after `draft/` is then raised, and the host
- * refuses every other. From `/1` on a table is frozen for ever.
+ * Ids: a table that reads `pelorus.KIND/1` is frozen for ever; a change is `/2`, beside it, and the host serves both. What a
+ * later minor brings in as new stands as `pelorus.KIND.draft/N` at first: it may change, N is then raised, and the host refuses every other.
  */
 #ifndef PELORUS_ABI_ENTRY_H
 #define PELORUS_ABI_ENTRY_H

@@ -14,7 +14,7 @@
 
 #include "sensor.h"
 
-#define PLR_ESTIMATOR "pelorus.estimator.draft/1"
+#define PLR_ESTIMATOR "pelorus.estimator/1"
 
 enum {
   PLR_ESTIMATOR_BACKWARD = 1u << 16,    /* predict answers dt < 0 */
@@ -120,7 +120,7 @@ typedef struct plr_estimator {
 } plr_estimator;
 
 /* Extension: one record from several hypotheses about the same item (PDA, JPDA, Gaussian mixtures). */
-#define PLR_ESTIMATOR_MIX "pelorus.estimator.mix.draft/1"
+#define PLR_ESTIMATOR_MIX "pelorus.estimator.mix/1"
 
 typedef struct plr_estimator_mix_args {
   uint32_t struct_size;
@@ -138,7 +138,7 @@ typedef struct plr_estimator_mix {
 } plr_estimator_mix;
 
 /* Extension: the modes of a multiple-model filter. */
-#define PLR_ESTIMATOR_MODES "pelorus.estimator.modes.draft/1"
+#define PLR_ESTIMATOR_MODES "pelorus.estimator.modes/1"
 
 typedef struct plr_estimator_modes {
   uint32_t struct_size;
@@ -150,7 +150,7 @@ typedef struct plr_estimator_modes {
 } plr_estimator_modes;
 
 /* Extension: estimates of times past, improved by what has been measured since (a fixed-lag smoother). */
-#define PLR_ESTIMATOR_SMOOTHED "pelorus.estimator.smoothed.draft/1"
+#define PLR_ESTIMATOR_SMOOTHED "pelorus.estimator.smoothed/1"
 
 typedef struct plr_estimator_smoothed_args {
   uint32_t struct_size;

@@ -11,7 +11,7 @@
 
 #include "sensor.h"
 
-#define PLR_EXTENT "pelorus.extent.draft/1"
+#define PLR_EXTENT "pelorus.extent/1"
 
 enum {
   PLR_EXTENT_NO_MEMORY = 1u << 16 /* the shape is what the newest scan alone says; it does not improve with time */
@@ -52,11 +52,11 @@ typedef struct plr_extent_predict {
   plr_const_view dt; /* 1 x 1 x N, s */
   plr_const_view
       before; /* c x 1 x N: kinematics before the step, canonical order (positions, velocities, ...), c >= 2 d */
+  plr_const_view before_covariance; /* c x c x N, or data NULL: not known */
   plr_const_view after;             /* c x 1 x N: and predicted */
+  plr_const_view after_covariance;  /* c x c x N, or data NULL */
   plr_const_view record;            /* r x 1 x N */
   plr_view out;                     /* r x 1 x N; may be `record` itself */
-  plr_const_view before_covariance; /* c x c x N, or data NULL: not known */
-  plr_const_view after_covariance;  /* c x c x N, or data NULL */
 } plr_extent_predict;
 
 typedef struct plr_extent_effective_noise {
@@ -75,10 +75,10 @@ typedef struct plr_extent_update {
   plr_const_view innovation;            /* d x 1 x N: centroid - predicted position */
   plr_const_view innovation_covariance; /* d x d x N: S = H P H' + effective noise */
   plr_const_view kinematics;            /* c x 1 x N: posterior */
+  plr_const_view kinematics_covariance; /* c x c x N, or data NULL: not known */
   plr_const_view record;                /* r x 1 x N; predicted */
   plr_view out;                         /* r x 1 x N; may be `record` itself. An item without points is copied */
   plr_view log_likelihood;              /* 1 x 1 x N: of the points' spread, or data NULL */
-  plr_const_view kinematics_covariance; /* c x c x N, or data NULL: not known */
 } plr_extent_update;
 
 typedef struct plr_extent_shape {
@@ -120,7 +120,7 @@ typedef struct plr_extent {
 } plr_extent;
 
 /* Extension of the instance: kinematics and shape in one record (slots `motion` and, where it needs one, `sensors`). */
-#define PLR_EXTENT_JOINT "pelorus.extent.joint.draft/1"
+#define PLR_EXTENT_JOINT "pelorus.extent.joint/1"
 
 typedef struct plr_joint_init {
   uint32_t struct_size;
@@ -161,7 +161,8 @@ typedef struct plr_joint_summary {
 
 typedef struct plr_extent_joint {
   uint32_t struct_size;
-  uint32_t reserved;
+  uint32_t sensor_count;
+  const plr_part* sensors;    /* [sensor_count], as in plr_estimator_info: for noise, residual and invert */
   const plr_space* cartesian; /* c */
   /* [worker, concurrent] [hot] */
   plr_status (*init)(const void* self, const plr_call* call, const plr_joint_init* args);
@@ -173,9 +174,6 @@ typedef struct plr_extent_joint {
   plr_status (*summary)(const void* self, const plr_call* call, const plr_joint_summary* args);
   /* [worker, concurrent] [hot] As plr_extent.gate; predicted and covariance come from the record. */
   plr_status (*gate)(const void* self, const plr_call* call, const plr_extent_gate* args);
-  const plr_part* sensors; /* [sensor_count], as in plr_estimator_info: for noise, residual and invert */
-  uint32_t sensor_count;
-  uint32_t reserved2;
 } plr_extent_joint;
 
 #endif

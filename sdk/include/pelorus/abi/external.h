@@ -10,7 +10,7 @@
 #include "stage.h"
 
 /* Extension of a stage instance. */
-#define PLR_EXTERNAL "pelorus.stage.external.draft/1"
+#define PLR_EXTERNAL "pelorus.stage.external/1"
 
 /* What the host does with a message that arrives before an event that was handled already. */
 enum {

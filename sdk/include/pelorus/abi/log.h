@@ -5,7 +5,7 @@
 
 #include "threads.h"
 
-#define PLR_SERVICE_LOG "pelorus.log.draft/1"
+#define PLR_SERVICE_LOG "pelorus.log/1"
 
 enum { PLR_LOG_TRACE = 0, PLR_LOG_DEBUG = 1, PLR_LOG_INFO = 2, PLR_LOG_WARNING = 3, PLR_LOG_ERROR = 4 };
 

@@ -10,7 +10,7 @@
 #include "space.h"
 #include "view.h"
 
-#define PLR_MESSAGES "pelorus.message.draft/1"
+#define PLR_MESSAGES "pelorus.message/1"
 
 enum {
   PLR_MESSAGE_SCAN = 1,

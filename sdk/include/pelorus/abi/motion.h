@@ -14,7 +14,7 @@
 
 #include "plugin.h"
 
-#define PLR_MOTION "pelorus.motion.draft/1"
+#define PLR_MOTION "pelorus.motion/1"
 
 enum {
   PLR_MOTION_TIME_INVARIANT = 1u << 16, /* F(a + b) = F(b) F(a) */
@@ -39,12 +39,12 @@ typedef struct plr_motion_info {
 typedef struct plr_motion_propagate {
   uint32_t struct_size;
   uint32_t reserved;
-  plr_const_view dt;     /* 1 x 1 x N, s; item_stride 0: one for all */
-  plr_const_view state;  /* n x p x N */
+  plr_const_view dt;    /* 1 x 1 x N, s; item_stride 0: one for all */
+  plr_const_view state; /* n x p x N */
+  plr_const_view
+      mean; /* n x 1 x N: posterior mean that the points are spread about; data NULL: p = 1, and the state is it */
   plr_const_view record; /* r x 1 x N */
   plr_view out;          /* n x p x N; the mean motion, without noise */
-  plr_const_view
-      mean; /* n x 1 x N: posterior mean that the points are spread about; data NULL: p = 1 and the state is it */
 } plr_motion_propagate;
 
 typedef struct plr_motion_jacobian {
@@ -52,9 +52,9 @@ typedef struct plr_motion_jacobian {
   uint32_t reserved;
   plr_const_view dt;     /* 1 x 1 x N, s */
   plr_const_view state;  /* n x 1 x N, before the step */
+  plr_const_view mean;   /* n x 1 x N, as in plr_motion_propagate */
   plr_const_view record; /* r x 1 x N */
   plr_view out;          /* n x n x N, d propagate / d state, `mean` held fixed */
-  plr_const_view mean;   /* n x 1 x N, as in plr_motion_propagate */
 } plr_motion_jacobian;
 
 typedef struct plr_motion_noise {
@@ -111,7 +111,7 @@ typedef struct plr_motion {
 
 /* Extension: F = F1 (x) I_d and Q = Q1 (x) I_d, where the state is ordered by derivative (positions, velocities, ...), so
  * that one small F1 and Q1 of a dt serve every track. Only for LINEAR motions with CONSTANT_NOISE whose F and Q read no input. */
-#define PLR_MOTION_STRUCTURE "pelorus.motion.structure.draft/1"
+#define PLR_MOTION_STRUCTURE "pelorus.motion.structure/1"
 
 typedef struct plr_motion_structure {
   uint32_t struct_size;
@@ -123,7 +123,7 @@ typedef struct plr_motion_structure {
 } plr_motion_structure;
 
 /* Extension: a factor of the noise, Q = G G', for square-root filters whose Q is singular (rank g < n). */
-#define PLR_MOTION_NOISE_FACTOR "pelorus.motion.noise_factor.draft/1"
+#define PLR_MOTION_NOISE_FACTOR "pelorus.motion.noise_factor/1"
 
 typedef struct plr_motion_noise_factor {
   uint32_t struct_size;

@@ -4,7 +4,7 @@
 
 #include "threads.h"
 
-#define PLR_SERVICE_OUTPUT "pelorus.output.draft/1"
+#define PLR_SERVICE_OUTPUT "pelorus.output/1"
 
 typedef struct plr_output {
   uint32_t struct_size;

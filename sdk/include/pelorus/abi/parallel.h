@@ -4,7 +4,7 @@
 
 #include "call.h"
 
-#define PLR_SERVICE_PARALLEL "pelorus.parallel.draft/1"
+#define PLR_SERVICE_PARALLEL "pelorus.parallel/1"
 
 typedef struct plr_parallel {
   uint32_t struct_size;

@@ -12,7 +12,7 @@
 #include "parallel.h"
 #include "plugin.h"
 
-#define PLR_PARTITIONER "pelorus.partitioner.draft/1"
+#define PLR_PARTITIONER "pelorus.partitioner/1"
 
 typedef struct plr_partitioner_info {
   uint32_t struct_size;

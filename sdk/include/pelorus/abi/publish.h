@@ -5,7 +5,7 @@
 #include "message.h"
 #include "status.h"
 
-#define PLR_SERVICE_PUBLISH "pelorus.publish.draft/1"
+#define PLR_SERVICE_PUBLISH "pelorus.publish/1"
 
 typedef struct plr_publish {
   uint32_t struct_size;

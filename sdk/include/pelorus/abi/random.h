@@ -13,7 +13,7 @@
 
 #include "threads.h"
 
-#define PLR_SERVICE_RANDOM "pelorus.random.draft/1"
+#define PLR_SERVICE_RANDOM "pelorus.random/1"
 
 typedef struct plr_key {
   uint64_t word[2];

@@ -9,7 +9,7 @@
 
 #include "call.h"
 
-#define PLR_RECORD_CONVERT "pelorus.record.convert.draft/1"
+#define PLR_RECORD_CONVERT "pelorus.record.convert/1"
 
 typedef struct plr_record_convert {
   uint32_t struct_size;

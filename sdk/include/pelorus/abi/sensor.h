@@ -9,7 +9,7 @@
 
 #include "plugin.h"
 
-#define PLR_SENSOR "pelorus.sensor.draft/1"
+#define PLR_SENSOR "pelorus.sensor/1"
 
 enum {
   PLR_SENSOR_LINEAR = 1u << 16,         /* measure is H x + constant */

@@ -18,7 +18,7 @@
 #include "plugin.h"
 #include "publish.h"
 
-#define PLR_STAGE "pelorus.stage.draft/1"
+#define PLR_STAGE "pelorus.stage/1"
 
 /* One stream through a port. */
 typedef struct plr_stream {

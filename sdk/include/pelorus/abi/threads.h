@@ -34,8 +34,9 @@
 #define PLR_STATIC_ASSERT(condition, text) _Static_assert(condition, text)
 #endif
 
-/* The ABI as a whole. A host refuses another major; a minor only adds. */
-#define PLR_ABI_MAJOR 0
+/* The ABI as a whole. A host refuses another major; a minor only adds. Minors count from 1: so a host of the one before, which
+ * conformance plays, can always be told. */
+#define PLR_ABI_MAJOR 1
 #define PLR_ABI_MINOR 1
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "plugin.h"
 
-#define PLR_TRAJECTORY "pelorus.trajectory.draft/1"
+#define PLR_TRAJECTORY "pelorus.trajectory/1"
 
 typedef struct plr_trajectory_info {
   uint32_t struct_size;

@@ -9,7 +9,7 @@
 
 #include "plugin.h"
 
-#define PLR_WAVEFORM "pelorus.waveform.draft/1"
+#define PLR_WAVEFORM "pelorus.waveform/1"
 
 typedef struct plr_waveform_info {
   uint32_t struct_size;
@@ -25,6 +25,8 @@ typedef struct plr_waveform_info {
 typedef struct plr_waveform_choose {
   uint32_t struct_size;
   uint32_t reserved;
+  const plr_space* cartesian; /* the c components */
+  plr_const_view dt;          /* h x 1 x N, s: from each step to the next */
   plr_const_view mean;        /* c x h x N: predicted Cartesian means, step 1 .. h */
   plr_const_view covariance;  /* c x (c h) x N: their covariances side by side */
   plr_const_view projected;   /* m x (m h) x N: H P H' side by side, without R */
@@ -33,8 +35,6 @@ typedef struct plr_waveform_choose {
   plr_view waveform;          /* w x 1 x N */
   plr_view noise;             /* m x m x N: what it implies */
   plr_view criterion;         /* 1 x 1 x N: the value it was chosen by, smaller is better, or data NULL */
-  plr_const_view dt;          /* h x 1 x N, s: from each step to the next */
-  const plr_space* cartesian; /* the c components */
 } plr_waveform_choose;
 
 typedef struct plr_waveform_noise {
