@@ -332,6 +332,7 @@ bool CalibrationStage::learn_from(const Fixes& fixes) {
     }
     if (has_learnt) {
         last_pair_ = std::max(last_pair_.value_or(time), time);
+        note_observable(time);
         add_rows(time);
     }
     return has_learnt;
@@ -387,6 +388,12 @@ CalibrationStage::Row CalibrationStage::row_at(std::int64_t time) const {
     return row;
 }
 
+void CalibrationStage::note_observable(std::int64_t time) {
+    for (const int bias : biases_.active())
+        if (is_observable(bias) && std::isnan(observable_since_(bias)))
+            observable_since_(bias) = static_cast<double>(time) * 1e-9;
+}
+
 /// At whole multiples of the spacing, so that the rows of several runs meet.
 void CalibrationStage::add_rows(std::int64_t time) {
     if (time < next_row_) return;
@@ -440,6 +447,7 @@ void CalibrationStage::finish(const pelorus::Event& event) {
         result.scalar(names[k], unit, PLR_REDUCE_MEAN, last.value(bias));
         result.scalar(names[k] + "_deviation", unit, PLR_REDUCE_ROOT_MEAN_SQUARE, last.deviation(bias));
         result.scalar(names[k] + "_observable", "", PLR_REDUCE_MEAN, last.observable(bias));
+        result.scalar(names[k] + "_observable_since", "s", PLR_REDUCE_MEAN, observable_since_(bias));
     }
     publish(biases_out, result.message(event.time));
     publish_directions(event.time);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,7 +34,7 @@ public:
 
     template <class Archive> void state(Archive& archive) {
         archive(biases_, pose_, frames_, waiting_, last_fixes_, seen_, newest_frame_, newest_fix_, last_pair_, pairs_,
-                rows_, row_spacing_, next_row_);
+                observable_since_, rows_, row_spacing_, next_row_);
         if constexpr (Archive::reading) check_state();
     }
 
@@ -67,12 +68,15 @@ private:
     void learn(const pelorus::Event& event);
     bool learn_from(const Fixes& fixes);
     void forget();
+    void note_observable(std::int64_t time);
     void add_rows(std::int64_t time);
     Row row_at(std::int64_t time) const;
     void publish_values(std::int64_t time);
     void publish_directions(std::int64_t time);
     bool is_observable(int bias) const { return biases_.ratio(bias) <= observable_; }
     void count(const char* name) const;
+
+    static constexpr double not_yet = std::numeric_limits<double>::quiet_NaN();
 
     // Parameters.
     std::optional<std::string> reference_name_, sensor_name_;
@@ -103,6 +107,7 @@ private:
     std::optional<std::int64_t> newest_frame_, newest_fix_;    ///< ns
     std::optional<std::int64_t> last_pair_;                    ///< ns, of the newest fix learnt from
     std::uint64_t pairs_ = 0;
+    BiasVector observable_since_ = BiasVector::Constant(not_yet);  ///< s
     std::vector<Row> rows_;
     std::int64_t row_spacing_ = 0, next_row_ = 0;  ///< ns
 };

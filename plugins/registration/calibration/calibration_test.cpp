@@ -27,6 +27,15 @@ const char* const all = "attitude_sd: 2 mrad, position_sd: 3 m, range_sd: 5 m, c
 
 std::string with(const std::string& text) { return "{" + text + "}"; }
 
+std::map<std::string, double> scalars_of(const Rig& rig) {
+    std::map<std::string, double> scalars;
+    for (const auto& published : rig.bench.published)
+        if (published.message->kind == PLR_MESSAGE_TABLE)
+            for (std::uint32_t i = 0; i < published.table().scalar_count; ++i)
+                scalars[published.table().scalars[i].name] = published.table().scalars[i].value;
+    return scalars;
+}
+
 }  // namespace
 
 TEST_CASE("calibration: each bias is found within what is not known of it", "[registration]") {
@@ -65,6 +74,18 @@ TEST_CASE("calibration: the filter's deviations are the errors' (NEES)", "[regis
     INFO("mean NEES " << sum / runs);
     CHECK(sum / runs > bias_count - 3.3 * deviation);
     CHECK(sum / runs < bias_count + 3.3 * deviation);
+}
+
+TEST_CASE("calibration: it says since when a bias is observable", "[registration]") {
+    // 1 mrad against 3 mrad: the deviation is half the prior one once 1 + n / 9 = 4, at the 27th fix; as the sensor is
+    // tilted by 2 deg against the radar, which adds some of its zenith error, a little later.
+    Rig rig(World{}, "{attitude_sd: [0 rad, 0 rad, 1 mrad]}");
+    rig.run(0, 100);
+    rig.stage->finish(100 * second);
+    const auto scalars = scalars_of(rig);
+    CHECK(scalars.at("yaw_observable") == 1);
+    CHECK(scalars.at("yaw_observable_since") == Approx(56).margin(4));
+    CHECK(scalars.at("yaw_deviation") > 0);
 }
 
 TEST_CASE("calibration: a yaw seen by a radar of 3 mrad is known as well as the mean of its angles", "[registration]") {
@@ -113,12 +134,9 @@ TEST_CASE("calibration: a turn about the line of sight is told as not observable
     const Eigen::Vector3d sight(std::sin(z(2)) * std::cos(z(1)), std::sin(z(2)) * std::sin(z(1)), std::cos(z(2)));
     CHECK((least.share.segment<3>(roll) - sight).norm() < 0.01);
     rig.stage->finish(600 * second);
-    std::map<std::string, double> scalars;
-    for (const auto& published : rig.bench.published)
-        if (published.message->kind == PLR_MESSAGE_TABLE)
-            for (std::uint32_t i = 0; i < published.table().scalar_count; ++i)
-                scalars[published.table().scalars[i].name] = published.table().scalars[i].value;
+    const auto scalars = scalars_of(rig);
     CHECK(scalars.at("yaw_observable") == 0);
+    CHECK(std::isnan(scalars.at("yaw_observable_since")));
     CHECK(scalars.count("offset_x") == 0);
 }
 
@@ -289,4 +307,57 @@ TEST_CASE("calibration: what cannot be is refused in one line", "[registration]"
     CHECK_THROWS_WITH(Rig(World{}, "{sensor: sonar}"), "sensor: is sonar, the slot `sensors` has radar, eo");
     CHECK_THROWS_WITH(Rig(passive, "{sensor: radar}"),
                       "sensors: the reference eo tells no position by a single measurement");
+}
+
+TEST_CASE("calibration: how a sensor stands is found by asking its model", "[registration]") {
+    using namespace pelorus::test;
+    const std::string in_space = "position: [1000 m, -200 m, 30 m], attitude: [0.1 rad, -0.2 rad, 2.5 rad], angle: ";
+    const auto [id, with, dimension] = GENERATE_COPY(
+        table<std::string, std::string, int>({{"sensor.spherical", in_space + "zenith", 3},
+                                              {"sensor.spherical", in_space + "elevation", 3},
+                                              {"sensor.bearings", in_space + "zenith", 3},
+                                              {"sensor.bearings", in_space + "elevation", 3},
+                                              {"sensor.polar", "position: [1000 m, -200 m], yaw: 2.5 rad", 2}}));
+    INFO(id << " " << with);
+    Bench bench;
+    const plr_plugin& plugin = installed(id);
+    const Instance instance(bench, plugin, "{" + with + "}");
+    plr_part part{};
+    part.struct_size = sizeof part;
+    part.slot = part.name = part.address = "eo";
+    part.table_id = PLR_SENSOR;
+    part.description = plugin.description;
+    part.instance.self = instance.self();
+    part.instance.table = reinterpret_cast<const plr_table_head*>(&instance.table<plr_sensor>());
+    const SensorModel sensor(pelorus::SensorPart(part), "sensors");
+    plr_config config{};
+    config.struct_size = sizeof config;
+    config.host = bench.host();
+    pelorus::Caller caller;
+    caller.setup(pelorus::Setup(config), static_cast<std::size_t>(sensor.scratch_bytes()) + 4096);
+
+    const Pose pose = sensor.pose(caller, Eigen::Vector3d(-300, 900, dimension == 2 ? 0 : 400));
+    BiasVector angles = BiasVector::Zero();
+    angles.segment<3>(roll) = dimension == 2 ? Eigen::Vector3d(0, 0, 2.5) : Eigen::Vector3d(0.1, -0.2, 2.5);
+    CHECK((pose.position - Eigen::Vector3d(1000, -200, dimension == 2 ? 0 : 30)).norm() < 1e-8);
+    CHECK((pose.rotation - misalignment(angles)).norm() < 1e-10);
+    CHECK(sensor.measures_range() == (id != "sensor.bearings"));
+}
+
+TEST_CASE("calibration: a slow sensor is calibrated against a fast one, each of its frames once", "[registration]") {
+    World world = wrong(yaw, 2e-3);
+    world.eo_sd = {5, 3e-3, 3e-3};
+    world.radar_sd = {1, 1e-4, 1e-4};
+    Rig rig(world, "{attitude_sd: [0 rad, 0 rad, 1 mrad], window: 7 s, presence: 1}");
+    for (int i = 1; i <= 6000; ++i) {
+        const double t = i * 0.05;
+        rig.radar(t);
+        if (i % 40 == 0) rig.eo(t);
+    }
+    // 150 frames of 3 mrad. A parabola through three or four of them is worse than their mean, so less than all is learnt.
+    const double all_of_them = 3e-3 / std::sqrt(150 + 9);
+    const double deviation = rig.biases().ratio(yaw) * 1e-3;
+    CHECK(deviation > all_of_them);
+    CHECK(deviation < 2 * all_of_them);
+    CHECK(std::abs(rig.biases().mean()(yaw) - 2e-3) < 4 * deviation);
 }
