@@ -28,7 +28,7 @@ public:
     Transitions step(double dt, double age, bool is_first_in_force) const noexcept {
         Transitions out;
         if (warm_up_ && is_first_in_force) {
-            const bool is_over = age >= *warm_up_;
+            const bool is_over = count_ > 1 && age >= *warm_up_;
             for (int j = 0; j < count_; ++j) out.from_to[0][j] = is_over ? (j > 0 ? 1.0 / (count_ - 1) : 0.0) : j == 0;
             return out;
         }

@@ -109,8 +109,6 @@ JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
 }
 
 void Filter::check_chain(std::size_t models) {
-    if (warm_up_ && models < 2)
-        throw pelorus::ParameterError("warm_up", "needs a second filter, which takes over from the first");
     const std::size_t changing = models - (warm_up_ ? 1 : 0);
     if (changing > 1 && !(stay_ * static_cast<double>(changing) >= 1))
         throw pelorus::ParameterError(
