@@ -1,4 +1,6 @@
-/// Where and how a sensor stands: a mount given by parameters, on a platform whose pose may be given by inputs.
+/// Where and how a sensor stands: a mount given by parameters, on a platform whose pose may be given by inputs. Another input tells by
+/// how much the mount stands turned against its parameters, about the sensor's own axes:
+///     R = platform * mount * error,   p = platform * position + platform_position
 ///
 /// Lengths in m, velocities in m/s, angles in rad, along the axes of the frame in which the sensor is used. A platform that
 /// is not told of stands still at the origin, along the axes of the frame.
@@ -40,7 +42,7 @@ template <int D> struct MountParameters {
     Vector<D> position = Vector<D>::Zero(), velocity = Vector<D>::Zero();
     Vector<attitude_size<D>> attitude = Vector<attitude_size<D>>::Zero();
 
-    /// The parameters, and the inputs in the order position, attitude, velocity. Velocities only where the sensor measures a rate.
+    /// The parameters, and the inputs in the order position, attitude, velocity, error. Velocities only where the sensor measures a rate.
     template <class Plugin> static void describe_mount(pelorus::Describe<Plugin>& plugin, bool with_velocity) {
         const char* const zeros = D == 2 ? "[0 m, 0 m]" : "[0 m, 0 m, 0 m]";
         plugin.parameter("position", &MountParameters::position)
@@ -55,12 +57,17 @@ template <int D> struct MountParameters {
         plugin.input("platform_position", "m", std::vector<double>(D, 0.0), "where the platform of the sensor is");
         plugin.input(D == 2 ? "platform_yaw" : "platform_attitude", "rad", std::vector<double>(attitude_size<D>, 0.0),
                      D == 2 ? "how far the platform is turned from +x to +y" : "roll, pitch, yaw of the platform");
-        if (!with_velocity) return;
-        plugin.parameter("velocity", &MountParameters::velocity)
-            .unit("m/s")
-            .initially(D == 2 ? "[0 m/s, 0 m/s]" : "[0 m/s, 0 m/s, 0 m/s]")
-            .doc("the sensor's own velocity, which range rates are counted from; it does not move `position`");
-        plugin.input("platform_velocity", "m/s", std::vector<double>(D, 0.0), "velocity of the platform");
+        if (with_velocity) {
+            plugin.parameter("velocity", &MountParameters::velocity)
+                .unit("m/s")
+                .initially(D == 2 ? "[0 m/s, 0 m/s]" : "[0 m/s, 0 m/s, 0 m/s]")
+                .doc("the sensor's own velocity, which range rates are counted from; it does not move `position`");
+            plugin.input("platform_velocity", "m/s", std::vector<double>(D, 0.0), "velocity of the platform");
+        }
+        plugin.input(
+            "attitude_error", "rad", std::vector<double>(attitude_size<D>, 0.0),
+            D == 2 ? "how far the mount is turned beyond its yaw"
+                   : "roll, pitch, yaw about the sensor's own axes by which the mount is turned beyond its attitude");
     }
 };
 
@@ -71,14 +78,13 @@ public:
     explicit Mount(const MountParameters<D>& given)
         : resting_{rotation<D>(given.attitude.data()), given.position, given.velocity} {}
 
-    /// With the values of the platform's inputs; `velocity` is nullptr where the sensor has no such input.
-    Pose<D> pose(const double* position, const double* attitude, const double* velocity) const {
+    /// With the values of the inputs; `velocity` is nullptr where the sensor has no such input.
+    Pose<D> pose(const double* position, const double* attitude, const double* error, const double* velocity) const {
         Pose<D> out = resting_;
-        bool is_turned = false;
-        for (int k = 0; k < attitude_size<D>; ++k) is_turned = is_turned || attitude[k] != 0.0;
-        if (is_turned) {
-            const Matrix<D> platform = rotation<D>(attitude);
-            pelorus::small::multiply(platform, resting_.rotation, out.rotation);
+        if (is_turned(error)) pelorus::small::multiply(resting_.rotation, rotation<D>(error), out.rotation);
+        if (is_turned(attitude)) {
+            const Matrix<D> platform = rotation<D>(attitude), mount = out.rotation;
+            pelorus::small::multiply(platform, mount, out.rotation);
             pelorus::small::multiply(platform, resting_.position, out.position);
             pelorus::small::multiply(platform, resting_.velocity, out.velocity);
         }
@@ -88,6 +94,12 @@ public:
     }
 
 private:
+    static bool is_turned(const double* attitude) {
+        bool turned = false;
+        for (int k = 0; k < attitude_size<D>; ++k) turned = turned || attitude[k] != 0.0;
+        return turned;
+    }
+
     Pose<D> resting_;
 };
 

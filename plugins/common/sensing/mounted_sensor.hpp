@@ -97,7 +97,7 @@ struct MountedSensor : pelorus::Sensor<Derived, M, Rates ? 2 * D : D, D>, MountP
 protected:
     Pose<D> pose(const Look& look) const {
         return mount_.pose(this->input(look, position_input), this->input(look, attitude_input),
-                           Rates ? this->input(look, velocity_input) : nullptr);
+                           this->input(look, error_input), Rates ? this->input(look, velocity_input) : nullptr);
     }
     Measurement bias(const Look& look) const {
         return Eigen::Map<const Measurement>(this->input(look, bias_input) + Derived::bias_offset);
@@ -105,6 +105,7 @@ protected:
 
 private:
     enum Input : std::size_t { bias_input, position_input, attitude_input, velocity_input };
+    static constexpr std::size_t error_input = Rates ? velocity_input + 1 : velocity_input;
 
     static Cartesian along_axes(const Cartesian& x, const Pose<D>& at) {
         Cartesian out;

@@ -425,9 +425,10 @@ TEST_CASE("a mixture of hypotheses has the mean of their cross-covariances", "[s
 }
 
 TEST_CASE("rows of consider that name no uncertain constant of a sensor are refused", "[schmidt]") {
-    CHECK(refusal({{"sensors.radar.bais", -1, 1.0}}) ==
-          "consider: row 1: no input sensors.radar.bais; there are sensors.radar.bias, "
-          "sensors.radar.platform_position, sensors.radar.platform_attitude, motion.wind");
+    CHECK(
+        refusal({{"sensors.radar.bais", -1, 1.0}}) ==
+        "consider: row 1: no input sensors.radar.bais; there are sensors.radar.bias, "
+        "sensors.radar.platform_position, sensors.radar.platform_attitude, sensors.radar.attitude_error, motion.wind");
     CHECK(refusal({{"sensors.radar.bias", 0, 1.0}, {"sensors.radar.bias", 3, 1.0}}) ==
           "consider: row 2: element is 3, expected 0 to 2 of sensors.radar.bias");
     CHECK(refusal({{"sensors.radar.bias", 1, 1.0}, {"sensors.radar.bias", -1, 1.0}}) ==

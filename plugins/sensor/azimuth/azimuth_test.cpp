@@ -18,7 +18,7 @@ TEST_CASE("an azimuth sensor tells a bearing and nothing else", "[sensor]") {
 TEST_CASE("the bias of an azimuth sensor is added and wrapped", "[sensor]") {
     const Instance instance("sensor", "azimuth");
     SensorUnderTest sensor(instance);
-    const double inputs[] = {0.5, 0, 0, 0};
+    const double inputs[] = {0.5, 0, 0, 0, 0};
     sensor.inputs(inputs);
     CHECK(sensor.measure(Eigen::Vector2d(-10, 1e-9))(0) == Approx(0.5 - std::acos(-1.0)));
 }

@@ -42,7 +42,7 @@ TEST_CASE("a direction beyond the array's horizon tells no point", "[sensor]") {
 }
 
 TEST_CASE("the bias of direction cosines has the same three values with and without range", "[sensor]") {
-    const double inputs[] = {5.0, 0.01, -0.02, 0, 0, 0, 0, 0, 0};
+    const double inputs[] = {5.0, 0.01, -0.02, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     const Eigen::Vector3d p(200, 300, 600);
     for (const bool with_range : {false, true}) {
         const Instance instance("sensor", "direction_cosines", with_range ? Values{{"range_noise", "10"}} : Values{});

@@ -63,7 +63,7 @@ TEST_CASE("a platform carries the mount with it", "[sensor]") {
     SensorUnderTest sensor(on_platform);
     // bias (3), position, yaw, velocity of the platform, which is turned by 90 deg
     const double pi = std::acos(-1.0);
-    const double inputs[] = {0, 0, 0, 1000, 2000, pi / 2, 7, 9};
+    const double inputs[] = {0, 0, 0, 1000, 2000, pi / 2, 7, 9, 0};
     sensor.inputs(inputs);
     const Instance standing("sensor", "polar_rate",
                             {{"position", "[1000, 2010]"}, {"yaw", "1.7707963267948966"}, {"velocity", "[5, 10]"}});
@@ -80,7 +80,7 @@ TEST_CASE("a bias reaches range and range rate and azimuth and is taken off by t
     const Instance instance("sensor", "polar_rate");
     SensorUnderTest sensor(instance);
     const Eigen::VectorXd plain = sensor.measure(somewhere);
-    const double inputs[] = {25.0, -3.0, 0.01, 0, 0, 0, 0, 0};
+    const double inputs[] = {25.0, -3.0, 0.01, 0, 0, 0, 0, 0, 0};
     sensor.inputs(inputs);
     const Eigen::VectorXd biased = sensor.measure(somewhere);
     CHECK(largest(biased - plain - Eigen::Vector3d(25.0, -3.0, 0.01)) < 1e-10);

@@ -134,9 +134,9 @@ TEST_CASE("a batch of a spherical sensor gives what single points give, whatever
     for (std::int64_t i = 0; i < items; ++i) std::copy_n(from.data() + 9 * i, 9, spread.data() + i * gap);
     // Inputs of all items, equal ones: common to them, and one set each.
     Numbers inputs;
-    const Numbers one{5.0, 0.01, -0.02, 1.0, 2.0, 3.0, 0.0, 0.1, 0.0};
+    const Numbers one{5.0, 0.01, -0.02, 1.0, 2.0, 3.0, 0.0, 0.1, 0.0, 0.2, -0.1, 0.3};
     for (std::int64_t i = 0; i < items; ++i) inputs.insert(inputs.end(), one.begin(), one.end());
-    for (const std::int64_t stride : {std::int64_t{0}, std::int64_t{9}}) {
+    for (const std::int64_t stride : {std::int64_t{0}, std::int64_t{12}}) {
         CAPTURE(stride);
         Call call(static_cast<std::size_t>(items));
         call.inputs(inputs.data(), stride);

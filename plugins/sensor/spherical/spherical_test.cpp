@@ -128,7 +128,7 @@ TEST_CASE("a platform carries a spherical sensor with it", "[sensor]") {
     SensorUnderTest sensor(carried);
     const double pi = std::acos(-1.0);
     // Rolled by 90 deg, what points up on the platform points to -y.
-    const double inputs[] = {0, 0, 0, 100, 200, 300, pi / 2, 0, 0};
+    const double inputs[] = {0, 0, 0, 100, 200, 300, pi / 2, 0, 0, 0, 0, 0};
     sensor.inputs(inputs);
     const Eigen::VectorXd z = sensor.measure(Eigen::Vector3d(100 + 30 * std::cos(0.4), 195, 300 + 30 * std::sin(0.4)));
     CHECK(largest(z - Eigen::Vector3d(30, 0, 0)) < 1e-12);
@@ -192,7 +192,7 @@ TEST_CASE("a bias given as an input is measured, and taken off again by the inve
     SensorUnderTest sensor(instance);
     const Eigen::Vector3d p(3000, 4000, 500);
     const Eigen::VectorXd plain = sensor.measure(p);
-    const double bias[] = {25.0, 0.01, -0.02, 0, 0, 0, 0, 0, 0};  // and the pose of the platform
+    const double bias[] = {25.0, 0.01, -0.02, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // and the pose of the platform
     sensor.inputs(bias);
     const Eigen::VectorXd biased = sensor.measure(p);
     CHECK(largest(biased - plain - Eigen::Vector3d(25.0, 0.01, -0.02)) < 1e-12);

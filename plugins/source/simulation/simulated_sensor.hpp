@@ -15,26 +15,12 @@
 
 #include "conversion.hpp"
 #include "draws.hpp"
+#include "sensor_errors.hpp"
+#include "sensor_timing.hpp"
 #include "site.hpp"
 #include "target.hpp"
 
 namespace simulation {
-
-/// What the box of clutter lies about: the origin, or the middle of the objects, as the window of a radar that follows them does.
-enum class ClutterAbout { origin, targets };
-
-/// What the config says of a sensor beyond its model.
-struct SensorValues {
-    std::optional<double> period;  // s
-    double detection_probability = 1;
-    double clutter = 0;  // mean number of false alarms a scan
-    ClutterAbout clutter_about = ClutterAbout::origin;
-    std::optional<std::vector<double>> clutter_min, clutter_max;  // m
-    double drop = 0;
-    bool shared_error = false;
-    bool converted = false;
-    std::optional<std::vector<double>> site;  // rad, rad, m
-};
 
 class SimulatedSensor {
 public:
@@ -48,6 +34,7 @@ public:
           values_(values),
           measurement_(*part.info().measurement),
           cartesian_(*part.info().cartesian),
+          timing_(values, part.name()),
           number_(number_of(part.name())) {
         if (measurement_.size() > max_components)
             throw pelorus::PartError("sensors", "sensor " + name() + " measures " +
@@ -62,7 +49,12 @@ public:
     }
 
     std::string name() const { return part_.name(); }
-    const SensorValues& values() const noexcept { return values_; }
+    const SensorTiming& timing() const noexcept { return timing_; }
+    /// Tells its model how it really stands and measures.
+    void tell_errors(pelorus::Caller& caller) const {
+        if (values_.attitude_error) tell_error(caller, part_, "attitude_error", *values_.attitude_error);
+        if (values_.bias) tell_error(caller, part_, "bias", *values_.bias);
+    }
     /// What a scan tells of: its measurements, or the positions that they are converted to.
     const pelorus::Space& told() const noexcept { return conversion_ ? conversion_->space() : measurement_; }
     /// Throws PartError unless a recording of positions at the simulation's ticks can stand for what it measures.
@@ -70,8 +62,9 @@ public:
         if (!cartesian_.same(pelorus::position_space(3)))
             throw pelorus::PartError("sensors", "sensor " + name() + " looks at " + cartesian_.text() +
                                                     "; a recording tells positions x, y, z");
-        if (values_.period)
-            throw pelorus::PartError("sensors", "sensor " + name() + " has a period of its own; a recording has not");
+        if (values_.period || values_.jitter > 0)
+            throw pelorus::PartError("sensors",
+                                     "sensor " + name() + " has a period or jitter of its own; a recording has not");
     }
     std::uint64_t scratch_bytes() const noexcept { return part_.info().scratch_bytes; }
 
@@ -101,7 +94,9 @@ public:
         return true;
     }
 
-    bool dropped(const Draws& draws, std::uint64_t tick) const {
+    /// Whether the scan of this tick never comes.
+    bool is_lost(const Draws& draws, std::uint64_t tick, std::int64_t time) const {
+        if (timing_.is_out(time)) return true;
         return values_.drop > 0 && draws.uniform(PLR_STREAM_DETECTION, {number_, 0, tick, 0}, 0) < values_.drop;
     }
 
@@ -317,6 +312,7 @@ private:
     pelorus::Space measurement_, cartesian_, waveform_{std::vector<pelorus::Component>{}};
     std::optional<Conversion> conversion_;
     std::optional<Site> site_;  ///< where it is not the scene's origin
+    SensorTiming timing_;
     std::uint64_t number_;
     std::vector<int> axis_components_;  ///< where position.x, y, z stand among what it looks at, or -1
     std::vector<std::size_t> box_components_;

@@ -76,6 +76,7 @@ public:
             for (const Target& target : targets_) sensors_.back().check(target);
         }
         caller_.setup(setup, static_cast<std::size_t>(scratch) + 4096);
+        for (const SimulatedSensor& sensor : sensors_) sensor.tell_errors(caller_);
         make_clocks();
         if (recording_file_) read_recording(next_object - 1);
         make_truth_space();
@@ -111,7 +112,7 @@ public:
             throw pelorus::DataError("no sensor takes this command, and no model has an input of that name");
     }
 
-    void emit(const pelorus::Event& event) {
+    void emit(const pelorus::Event&) {
         if (has_ended()) throw pelorus::ArgumentError("the simulation has ended");
         load_block();
         const std::int64_t time = times_[event_ % block];
@@ -128,7 +129,7 @@ public:
         for (std::size_t s = 0; s < sensors_.size(); ++s)
             if (scan(s, time, objects, origins)) due.push_back(s);
         tell_truth(time, objects, origins);
-        for (const std::size_t s : due) publish(scans_port, builders_[s].message(event.time));
+        for (const std::size_t s : due) send(s, time);
         if (++event_ % block == 0) events_.times(ticks_, block, times_);
     }
 
@@ -171,57 +172,6 @@ private:
             .doc("how points lie on the extent X");
     }
 
-    static void describe_sensors(pelorus::Describe<Simulation>& plugin) {
-        plugin.slot("sensors", "sensor", 1, -1, "what measures; scans bear the part's name");
-        plugin.slot_parameter("period", &SensorValues::period)
-            .unit("s")
-            .above(0)
-            .doc("from scan to scan; absent: the simulation's");
-        plugin.slot_parameter("detection_probability", &SensorValues::detection_probability)
-            .initially("1")
-            .min(0)
-            .max(1)
-            .doc("of each point");
-        plugin.slot_parameter("clutter", &SensorValues::clutter)
-            .initially("0")
-            .min(0)
-            .doc("mean number of false alarms a scan (Poisson), uniform in the box of clutter_min and clutter_max");
-        plugin.slot_parameter("clutter_about", &SensorValues::clutter_about)
-            .initially("origin")
-            .choices({{"origin", "the box has coordinates of the scene"},
-                      {"targets",
-                       "the box is about the middle of the objects, like the window of a radar that follows them"}})
-            .doc("what clutter_min and clutter_max are measured from");
-        plugin.slot_parameter("clutter_min", &SensorValues::clutter_min)
-            .unit("m")
-            .rows(1, 3)
-            .doc("lowest corner of the box of space in which false alarms arise");
-        plugin.slot_parameter("clutter_max", &SensorValues::clutter_max)
-            .unit("m")
-            .rows(1, 3)
-            .doc("highest corner of that box");
-        plugin.slot_parameter("drop", &SensorValues::drop)
-            .initially("0")
-            .min(0)
-            .max(1)
-            .doc("probability that a whole scan is lost, so that nothing is published for it");
-        plugin.slot_parameter("shared_error", &SensorValues::shared_error)
-            .initially("false")
-            .doc("one error a scan that all its points share, instead of one a point; scans tell the same covariances");
-        plugin.slot_parameter("site", &SensorValues::site)
-            .unit("rad, rad, m")
-            .rows(3, 3)
-            .doc(
-                "latitude, longitude and height (WGS84) where a sensor with `converted` stands, its axes east, north, "
-                "up there; "
-                "what it tells is moved back to the scene's axes; absent: at the scene's origin");
-        plugin.slot_parameter("converted", &SensorValues::converted)
-            .initially("false")
-            .doc(
-                "scans tell positions: measurements converted without a correction for the bend of angles, covariances "
-                "A R A' with A = d position / d measurement there");
-    }
-
     void make_clocks() {
         if (scans_.has_value() == duration_.has_value())
             throw pelorus::ParameterError("scans", "give either scans or duration");
@@ -232,7 +182,7 @@ private:
         const std::int64_t end =
             duration_ ? std::llround(seconds * 1e9) : own.time(static_cast<std::uint64_t>(*scans_ - 1));
         std::vector<Clock> clocks;
-        for (const SimulatedSensor& sensor : sensors_) clocks.emplace_back(sensor.values().period.value_or(period_));
+        for (const SimulatedSensor& sensor : sensors_) clocks.push_back(sensor.timing().clock(draws_, period_));
         events_ = Events(std::move(clocks), end);
         ticks_ = events_.first();
         events_.times(ticks_, block, times_);
@@ -290,7 +240,7 @@ private:
         SimulatedSensor& sensor = sensors_[s];
         if (!events_.is_due(s, ticks_, time)) return false;
         const std::uint64_t tick = ticks_[s]++;
-        if (sensor.dropped(draws_, tick)) return false;
+        if (sensor.is_lost(draws_, tick, time)) return false;
         pelorus::ScanBuilder& builder = builders_[s];
         builder.clear();
         sensor.tell_waveform(time, builder);
@@ -302,6 +252,14 @@ private:
         }
         sensor.add_clutter(caller_, draws_, time, tick, middle(objects), next_id_, covariances_, builder);
         return true;
+    }
+
+    /// Publishes the scan that sensor s has just measured, stamped by its clock, for when it arrives.
+    void send(std::size_t s, std::int64_t time) {
+        const SensorTiming& timing = sensors_[s].timing();
+        plr_message message = builders_[s].message(timing.stamp(time));
+        message.arrival = timing.arrival(draws_, ticks_[s] - 1, time);
+        publish(scans_port, message);
     }
 
     /// Of the living objects' positions.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -15,18 +16,31 @@ namespace simulation {
 /// One clock. A period is held in ns as a double (0.05 s is 5e7 exactly), so that the product is exact up to 2^53.
 class Clock {
 public:
-    explicit Clock(double period_seconds) : period_(period_seconds * 1e9) {}
-    std::int64_t time(std::uint64_t tick) const noexcept {
+    /// How far a tick is off its place, in ns; always the same answer for the same tick.
+    using Jitter = std::function<double(std::uint64_t tick)>;
+
+    explicit Clock(double period_seconds, Jitter jitter = {})
+        : period_(period_seconds * 1e9), jitter_(std::move(jitter)) {}
+    std::int64_t time(std::uint64_t tick) const {
         constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
         const long double exact = static_cast<long double>(tick) * static_cast<long double>(period_);
-        return exact < static_cast<long double>(never) ? std::llround(exact) : never;
+        if (!(exact < static_cast<long double>(never))) return never;
+        const std::int64_t place = std::llround(exact);
+        return jitter_ ? std::max<std::int64_t>(0, place + shift(tick)) : place;
     }
 
     /// In ns.
     double period() const noexcept { return period_; }
 
 private:
+    /// Ticks keep their order: each stays within half a period about its place.
+    std::int64_t shift(std::uint64_t tick) const {
+        const double most = std::max(0.0, period_ / 2 - 1);
+        return std::llround(std::clamp(jitter_(tick), -most, most));
+    }
+
     double period_;
+    Jitter jitter_;
 };
 
 /// The events of some clocks up to and including `end`: the times (ns, ascending, each once) at which any of them ticks. Made as
@@ -53,7 +67,7 @@ public:
     /// Time of the last event, or after it (ns).
     std::int64_t end() const noexcept { return end_; }
     Position first() const { return Position(clocks_.size(), 0); }
-    bool is_due(std::size_t clock, const Position& at, std::int64_t time) const noexcept {
+    bool is_due(std::size_t clock, const Position& at, std::int64_t time) const {
         return clocks_[clock].time(at[clock]) == time;
     }
 
