@@ -110,8 +110,14 @@ void CalibrationStage::check_biases(const BiasVector& deviations) const {
         throw pelorus::ParameterError("position_sd", "has an offset out of the plane; write [..., ..., 0 m]");
 }
 
-std::vector<pelorus::Stream> CalibrationStage::in_streams(std::uint32_t) const {
+std::vector<pelorus::Stream> CalibrationStage::in_streams(std::uint32_t port) const {
     std::vector<pelorus::Stream> streams;
+    if (port == tracks_in) {
+        pelorus::Stream stream;
+        stream.any_space = true;
+        stream.frame = frame_name_;
+        return {stream};
+    }
     for (const SensorModel* sensor : {&reference_, &sensor_}) {
         pelorus::Stream stream;
         stream.sensor = sensor->name();
@@ -209,12 +215,29 @@ void CalibrationStage::take_sensor(const pelorus::Event& event, const plr_scan& 
 
 // ---------------------------------------------------------------------------------------------------------- correction
 
+Estimate CalibrationStage::applied_to(Corrected what) const {
+    Estimate out = biases_.estimate();
+    BiasVector mask = BiasVector::Zero();  // tracks are moved as a whole; ranges and stamps are the measurements' own
+    if (what == Corrected::tracks || corrected_ == Corrected::scans) mask.head<6>().setOnes();
+    if (what == Corrected::scans) mask.tail<2>().setOnes();
+    out.value = out.value.cwiseProduct(mask);
+    out.covariance = mask.asDiagonal() * out.covariance * mask.asDiagonal();
+    if (mode_ == Mode::schmidt) {
+        out.covariance += out.value * out.value.transpose();
+        out.value.setZero();
+    } else if (spread_ == Spread::kept) {
+        out.covariance.setZero();
+    }
+    return out;
+}
+
 void CalibrationStage::publish_corrected(const pelorus::Event& event, const plr_scan& scan, const Frame& frame) {
-    const bool moves = mode_ == Mode::augmented, widens = mode_ == Mode::schmidt || spread_ == Spread::widened;
-    if (biases_.active().empty() || frame.samples.empty() || last_fixes_.empty() || !pose_ || (pairs_ == 0 && !widens))
+    const Estimate estimate = applied_to(Corrected::scans);
+    const bool widens = !estimate.covariance.isZero(0);
+    if (frame.samples.empty() || last_fixes_.empty() || !pose_ || (estimate.value.isZero(0) && !widens))
         return publish(scans_out, scan_message(event.time, scan));
     const std::int64_t n = scan.measurements.count, m = scan.measurements.rows;
-    const std::int64_t early = moves ? nanoseconds(biases_.estimate().value(clock_offset)) : 0;
+    const std::int64_t early = nanoseconds(estimate.value(clock_offset));
     std::vector<double> values, covariances;
     std::vector<std::int64_t> times;
     for (std::int64_t i = 0; i < n; ++i) {
@@ -222,7 +245,7 @@ void CalibrationStage::publish_corrected(const pelorus::Event& event, const plr_
         Eigen::VectorXd value = sample.value;
         Eigen::MatrixXd noise = sample.variances.asDiagonal();
         if (scan.covariances.data != nullptr) noise = pelorus::item(scan.covariances, i);
-        if (!correct(sample, value, noise)) count("uncorrected");
+        if (!correct(sample, estimate, value, noise)) count("uncorrected");
         values.insert(values.end(), value.data(), value.data() + m);
         covariances.insert(covariances.end(), noise.data(), noise.data() + m * m);
         times.push_back(sample.time - early);
@@ -241,7 +264,7 @@ Eigen::Vector3d CalibrationStage::place_of(const Sample& sample) {
     if (last_fixes_.size() == 1) return best->position;
     double least = std::numeric_limits<double>::infinity();
     for (const Fix& fix : last_fixes_) {
-        const Eigen::VectorXd expected = sensor_.biased(caller_, fix.position, *pose_, biases_.estimate().value);
+        const Eigen::VectorXd expected = sensor_.biased(caller_, fix.position, *pose_, biases_.mean());
         const Eigen::VectorXd e = sensor_.residual(caller_, sample.value, expected);
         const double squared = (e.array().square() / sample.variances.array()).sum();
         if (!(squared < least)) continue;
@@ -253,9 +276,9 @@ Eigen::Vector3d CalibrationStage::place_of(const Sample& sample) {
 
 /// Finds a place where the biased sensor would measure just this, as near as possible to a fix, and asks what it would have
 /// measured there without its biases.
-bool CalibrationStage::correct(const Sample& sample, Eigen::VectorXd& value, Eigen::MatrixXd& noise) {
+bool CalibrationStage::correct(const Sample& sample, const Estimate& estimate, Eigen::VectorXd& value,
+                               Eigen::MatrixXd& noise) {
     try {
-        const Estimate& estimate = biases_.estimate();
         Eigen::Vector3d place = place_of(sample);
         const Eigen::VectorXd weights = sample.variances.cwiseSqrt().cwiseInverse();
         for (int pass = 0; pass < 3; ++pass) {
@@ -265,17 +288,15 @@ bool CalibrationStage::correct(const Sample& sample, Eigen::VectorXd& value, Eig
                 weights.asDiagonal() * sensor_.biased_jacobian(caller_, place, *pose_, estimate.value);
             place += shortest(slope, weights.cwiseProduct(e));
         }
-        const BiasSlope over = sensor_.bias_slope(caller_, place, *pose_, estimate.value);
-        BiasMatrix covariance = estimate.covariance;
-        if (mode_ == Mode::schmidt) covariance += estimate.value * estimate.value.transpose();
         Eigen::VectorXd corrected = sample.value;
-        if (mode_ == Mode::augmented) {
+        if (!estimate.value.isZero(0)) {
             const Eigen::VectorXd without = sensor_.biased(caller_, place, *pose_, BiasVector::Zero()),
                                   with = sensor_.biased(caller_, place, *pose_, estimate.value);
             corrected += sensor_.residual(caller_, without, with);
             corrected = sensor_.residual(caller_, corrected, Eigen::VectorXd::Zero(corrected.size()));  // wraps angles
         }
-        const Eigen::MatrixXd widened = noise + over * covariance * over.transpose();
+        const BiasSlope over = sensor_.bias_slope(caller_, place, *pose_, estimate.value);
+        const Eigen::MatrixXd widened = noise + over * estimate.covariance * over.transpose();
         if (!corrected.allFinite() || !widened.allFinite()) return false;
         value = corrected;
         noise = widened;
@@ -284,6 +305,44 @@ bool CalibrationStage::correct(const Sample& sample, Eigen::VectorXd& value, Eig
         if (failure.code() != PLR_E_NUMERIC) throw;
         return false;
     }
+}
+
+void CalibrationStage::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
+    plr_message message{};
+    message.struct_size = sizeof message;
+    message.kind = PLR_MESSAGE_TRACKS;
+    message.time = event.time;
+    message.arrival = std::numeric_limits<std::int64_t>::min();
+    message.body.tracks = &tracks;
+    const Estimate estimate = applied_to(Corrected::tracks);
+    const bool is_right = estimate.value.isZero(0) && estimate.covariance.isZero(0);
+    if (corrected_ != Corrected::tracks || !pose_ || is_right || tracks.count == 0) return publish(tracks_out, message);
+
+    const TrackCorrection correction{pelorus::Space(*tracks.space)};
+    std::vector<double> means, covariances, extents;
+    for (std::int64_t i = 0; i < tracks.count; ++i) {
+        Eigen::VectorXd mean = pelorus::item(tracks.mean, i);
+        Eigen::MatrixXd covariance = pelorus::item(tracks.covariance, i);
+        correction(*pose_, estimate, mean, covariance);
+        means.insert(means.end(), mean.data(), mean.data() + mean.size());
+        covariances.insert(covariances.end(), covariance.data(), covariance.data() + covariance.size());
+        if (tracks.extent.data == nullptr) continue;
+        const Eigen::MatrixXd extent = pelorus::item(tracks.extent, i);
+        const Eigen::MatrixXd turn =
+            TrackCorrection::turn(*pose_, estimate.value).topLeftCorner(extent.rows(), extent.cols());
+        const Eigen::MatrixXd turned = turn * extent * turn.transpose();
+        extents.insert(extents.end(), turned.data(), turned.data() + turned.size());
+    }
+    plr_tracks moved = tracks;
+    moved.struct_size = sizeof moved;
+    moved.mean = pelorus::const_view(means.data(), tracks.mean.rows, 1, tracks.count);
+    moved.covariance = pelorus::const_view(covariances.data(), tracks.mean.rows, tracks.mean.rows, tracks.count);
+    if (!extents.empty())
+        moved.extent = pelorus::const_view(extents.data(), tracks.extent.rows, tracks.extent.cols, tracks.count);
+    moved.records = pelorus::absent_view();  // they are of the world as the sensor sees it
+    moved.record_of = nullptr;
+    message.body.tracks = &moved;
+    publish(tracks_out, message);
 }
 
 // ------------------------------------------------------------------------------------------------------------ learning

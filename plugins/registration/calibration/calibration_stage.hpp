@@ -12,24 +12,29 @@
 #include <pelorus/stage.hpp>
 
 #include "pairing.hpp"
+#include "track_correction.hpp"
 
 namespace calibration {
 
 enum class Mode { augmented, schmidt };
 enum class Spread { kept, widened };
+enum class Corrected { scans, tracks };
 
 class CalibrationStage : public pelorus::Stage<CalibrationStage> {
 public:
     static constexpr const char* kind = "registration";
-    enum InPort : std::uint32_t { scans_in };
-    enum OutPort : std::uint32_t { scans_out, values_out, biases_out };
+    enum InPort : std::uint32_t { scans_in, tracks_in };
+    enum OutPort : std::uint32_t { scans_out, tracks_out, values_out, biases_out };
 
     static void describe(pelorus::Describe<CalibrationStage>& plugin);
     void setup(const pelorus::Setup& setup);
     std::vector<pelorus::Stream> in_streams(std::uint32_t port) const;
-    std::uint32_t passes_on(std::uint32_t port) const { return port == scans_out ? 1 + scans_in : 0; }
+    std::uint32_t passes_on(std::uint32_t port) const {
+        return port == scans_out ? 1 + scans_in : port == tracks_out ? 1 + tracks_in : 0;
+    }
 
     void on_scan(const pelorus::Event& event, const plr_scan& scan);
+    void on_tracks(const pelorus::Event& event, const plr_tracks& tracks);
     void finish(const pelorus::Event& event);
 
     template <class Archive> void state(Archive& archive) {
@@ -61,8 +66,10 @@ private:
     bool is_repeated(std::int64_t time, std::uint64_t id);
 
     void publish_corrected(const pelorus::Event& event, const plr_scan& scan, const Frame& frame);
+    /// What of the estimate is taken off scans, or off tracks; in Schmidt's mode nothing is, and all of it is spread.
+    Estimate applied_to(Corrected what) const;
     /// False where nothing can be said of this measurement yet.
-    bool correct(const Sample& sample, Eigen::VectorXd& value, Eigen::MatrixXd& noise);
+    bool correct(const Sample& sample, const Estimate& estimate, Eigen::VectorXd& value, Eigen::MatrixXd& noise);
     Eigen::Vector3d place_of(const Sample& sample);
 
     void learn(const pelorus::Event& event);
@@ -81,7 +88,8 @@ private:
     // Parameters.
     std::optional<std::string> reference_name_, sensor_name_;
     Mode mode_ = Mode::augmented;
-    Spread spread_ = Spread::kept;
+    Spread spread_ = Spread::widened;
+    Corrected corrected_ = Corrected::scans;
     Eigen::Matrix<double, 3, 1> attitude_sd_, position_sd_;  // rad, m
     double range_sd_ = 0, clock_sd_ = 0;                     // m, s
     double presence_ = 0.5, observable_ = 0.5;

@@ -22,15 +22,20 @@ void CalibrationStage::describe(pelorus::Describe<CalibrationStage>& plugin) {
         .doc("the sensor that is right, by its name in the slot; absent: the first one. It must tell positions");
     plugin.parameter("sensor", &CalibrationStage::sensor_name_)
         .doc("the sensor that is calibrated; absent: the other one");
+    plugin.parameter("correct", &CalibrationStage::corrected_)
+        .initially("scans")
+        .choices({{"scans", "everything is taken off the sensor's measurements"},
+                  {"tracks", "angles and offset are taken off tracks, range and clock off the measurements"}})
+        .doc("where the estimate is applied");
     plugin.parameter("mode", &CalibrationStage::mode_)
         .initially("augmented")
-        .choices({{"augmented", "the estimate is taken off the measurements"},
-                  {"schmidt", "they stay as they are; their covariances grow by what the biases may be"}})
-        .doc("what becomes of the measurements of the calibrated sensor");
+        .choices({{"augmented", "the estimate is taken off, what is not known of it is left"},
+                  {"schmidt", "nothing is moved; covariances grow by all that the biases may be"}})
+        .doc("whether what is learnt is taken off, or only reckoned with");
     plugin.parameter("covariance", &CalibrationStage::spread_)
-        .initially("kept")
+        .initially("widened")
         .choices({{"kept", "as it came"}, {"widened", "what is not known of the biases is added"}})
-        .doc("of corrected measurements (with `mode: schmidt` always widened)");
+        .doc("of what is corrected (with `mode: schmidt` always widened)");
     plugin.parameter("attitude_sd", &CalibrationStage::attitude_sd_)
         .unit("rad")
         .initially("[0 rad, 0 rad, 0 rad]")
@@ -95,7 +100,9 @@ void CalibrationStage::describe(pelorus::Describe<CalibrationStage>& plugin) {
         .max(1e9)
         .doc("between rows of the table `biases`; doubled when it has grown to 256 times");
     plugin.in_port("scans", PLR_MESSAGE_SCAN, "of both sensors; those of others are passed on", PLR_PORT_MANY);
+    plugin.in_port("tracks", PLR_MESSAGE_TRACKS, "made of the uncorrected scans, to be corrected", PLR_PORT_OPTIONAL);
     plugin.out_port("scans", PLR_MESSAGE_SCAN, "all, those of the calibrated sensor corrected");
+    plugin.out_port("tracks", PLR_MESSAGE_TRACKS, "those that came in, with `correct: tracks` corrected");
     plugin.out_port(
         "values", PLR_MESSAGE_VALUES,
         "`bias`, `attitude_error`, `platform_position` of the sensor, for a model of it, and `clock_offset`");
