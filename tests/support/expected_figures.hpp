@@ -32,8 +32,8 @@ inline Json cells_of(const std::string& name, const std::vector<std::string>& fl
 inline const Json& cell_of(const Json& cells, const std::string& variant, const Json& sweep = Json::object()) {
     for (const Json& cell : cells) {
         bool meant = cell["variant"] == variant;
-        for (const auto& [address, number] : cell["sweep"].items())
-            meant = meant && (!sweep.contains(address) || sweep[address].get<double>() == number.get<double>());
+        for (const auto& [address, value] : cell["sweep"].items())  // 1 and 1.0 are equal
+            meant = meant && (!sweep.contains(address) || sweep[address] == value);
         if (meant) return cell;
     }
     throw std::runtime_error("no cell of " + variant);
@@ -60,13 +60,19 @@ inline void check_figure(double made, const YAML::Node& expected, const Band& ba
     }
 }
 
+/// A number or a word.
+inline Json sweep_value(const YAML::Node& node) {
+    double number = 0;
+    return YAML::convert<double>::decode(node, number) ? Json(number) : Json(node.as<std::string>());
+}
+
 /// All figures of NAME.expected.yaml, each within band_of(variant, scalar); answers how many.
 template <class BandOf> std::size_t check_figures(const std::string& name, const Json& cells, BandOf band_of) {
     std::size_t figures = 0;
     for (const YAML::Node& entry : YAML::LoadFile(PELORUS_SOURCE_DIR "/configs/" + name + ".expected.yaml")["cells"]) {
         Json sweep = Json::object();
         if (entry["sweep"])
-            for (const auto& axis : entry["sweep"]) sweep[axis.first.as<std::string>()] = axis.second.as<double>();
+            for (const auto& axis : entry["sweep"]) sweep[axis.first.as<std::string>()] = sweep_value(axis.second);
         const auto variant = entry["variant"].as<std::string>();
         const Json& cell = cell_of(cells, variant, sweep);
         for (const auto& scalar : entry["scalars"]) {

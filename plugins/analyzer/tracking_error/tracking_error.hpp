@@ -1,7 +1,9 @@
 /// analyzer.tracking_error: position, velocity and acceleration of estimates against truth, and their covariances. See README.md.
 #pragma once
 
+#include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +60,21 @@ public:
             .initially("0")
             .min(0)
             .doc("first instant of truth, counted from 0, that is told and enters the scalars");
+        plugin.parameter("nees_from_scan", &TrackingError::nees_from_scan_)
+            .min(0)
+            .doc(
+                "the same for nees and anees, where they are to leave out more, as a filter's start; absent: "
+                "from_scan");
+        plugin.parameter("period", &TrackingError::period_)
+            .unit("s")
+            .above(0)
+            .doc("instants of truth at whole multiples of this alone count: those of a slow sensor beside a fast one");
+        plugin.parameter("armse", &TrackingError::armse_)
+            .initially("false")
+            .doc(
+                "whether averaged root mean square errors are told: position_armse of x and y, position_armse_3d of "
+                "all "
+                "axes");
     }
 
     void setup(const pelorus::Setup& setup) { frame_ = setup.frame(); }
@@ -100,9 +117,14 @@ private:
         result.column("missing", "", PLR_REDUCE_MEAN);
         add_axes(result, "position", "m");
         add_axes(result, "velocity", "m/s");
+        if (armse_) result.column("position_xy", "m", PLR_REDUCE_ROOT_MEAN_SQUARE);
         const Counts counts = add_rows(result);
         result.scalar_of_column("position_rmse", "m", "position");
         result.scalar_of_column("velocity_rmse", "m/s", "velocity");
+        if (armse_) {
+            result.scalar_of_column("position_armse", "m", "position_xy");
+            result.scalar_of_column("position_armse_3d", "m", "position");
+        }
         for (int k = 0; k < axes; ++k)
             result.scalar_of_column(of_axis("position_bias", k), "m", of_axis("position_bias", k));
         result.scalar_of_column("nees", "", "nees");
@@ -115,11 +137,17 @@ private:
         publish(0, result.message(time));
     }
 
-    /// Calls function(time, instant) for each instant that has truth, from from_scan on.
+    /// Calls function(time, instant, index) for each instant that has truth and counts, from from_scan on.
     template <class Function> void for_each_scored(Function function) const {
         std::int64_t index = 0;
         for (const auto& [time, instant] : pairs_.instants())
-            if (!instant.truth.empty() && index++ >= from_scan_) function(time, instant);
+            if (!instant.truth.empty() && is_counted(time) && index++ >= from_scan_) function(time, instant, index - 1);
+    }
+    /// Sample k lies at k periods, rounded to ns.
+    bool is_counted(std::int64_t time) const {
+        if (!period_) return true;
+        const double period = *period_ * 1e9;
+        return std::llround(std::round(static_cast<double>(time) / period) * period) == time;
     }
 
     /// Root mean squares over all pairs of the run: what a single run can tell of its errors.
@@ -127,7 +155,7 @@ private:
         const std::string name = derivative == 0 ? "position_rms" : "velocity_rms",
                           unit = derivative == 0 ? "m" : "m/s";
         Pairs all;
-        for_each_scored([&](std::int64_t, const pelorus::TruthPairs::Instant& instant) {
+        for_each_scored([&](std::int64_t, const pelorus::TruthPairs::Instant& instant, std::int64_t) {
             const Pairs pairs = instant.pairs();
             all.insert(all.end(), pairs.begin(), pairs.end());
         });
@@ -143,11 +171,12 @@ private:
         Counts counts;
         for (const auto& [time, instant] : pairs_.instants())
             if (instant.truth.empty()) counts.without_truth += static_cast<double>(instant.estimates.size());
-        for_each_scored([&](std::int64_t time, const pelorus::TruthPairs::Instant& instant) {
+        for_each_scored([&](std::int64_t time, const pelorus::TruthPairs::Instant& instant, std::int64_t index) {
             const Pairs pairs = instant.pairs();
             const Errors position(pairs, pairs_.axes(), 0), velocity(pairs, pairs_.axes(), 1);
             NormalisedSquares squares;
-            for (const auto& pair : pairs) add_error(pair, static_cast<int>(nees_derivatives_), squares);
+            if (index >= nees_from_scan_.value_or(from_scan_))
+                for (const auto& pair : pairs) add_error(pair, static_cast<int>(nees_derivatives_), squares);
             const double estimates = static_cast<double>(instant.estimates.size()),
                          missing = static_cast<double>(instant.missing());
             counts.estimates += estimates;
@@ -156,6 +185,7 @@ private:
             add_cells(cells, squares);
             cells.insert(cells.end(), {estimates, missing});
             for (const Errors* errors : {&position, &velocity}) add_cells(cells, *errors);
+            if (armse_) cells.push_back(std::hypot(position.axis[0], position.axis.size() > 1 ? position.axis[1] : 0));
             result.row(cells);
         });
         return counts;
@@ -167,7 +197,7 @@ private:
         result.column("time", "s", PLR_REDUCE_KEY);
         result.column("acceleration", "m/s2", PLR_REDUCE_ROOT_MEAN_SQUARE);
         add_axes(result, "acceleration", "m/s2");
-        for_each_scored([&](std::int64_t when, const pelorus::TruthPairs::Instant& instant) {
+        for_each_scored([&](std::int64_t when, const pelorus::TruthPairs::Instant& instant, std::int64_t) {
             const Errors errors(instant.pairs(), pairs_.axes(), 2);
             std::vector<double> cells{seconds(when), errors.norm};
             add_cells(cells, errors);
@@ -222,9 +252,11 @@ private:
     }
     static double seconds(std::int64_t time) { return static_cast<double>(time) * 1e-9; }
 
-    bool acceleration_ = false, whole_run_ = false;
+    bool acceleration_ = false, whole_run_ = false, armse_ = false;
     double confidence_ = 0.95;
     std::int64_t nees_derivatives_ = 2, from_scan_ = 0;
+    std::optional<std::int64_t> nees_from_scan_;
+    std::optional<double> period_;  // s
     std::string frame_;
     pelorus::TruthPairs pairs_;
     std::map<std::int64_t, NormalisedSquares> innovations_;  // by time, ns

@@ -254,3 +254,29 @@ TEST_CASE("tracking error: a single run tells its root mean squares over time", 
     CHECK(run.scalar("velocity_rms.z").value == Approx(5));
     CHECK(run.scalar("position_rms").reduce == PLR_REDUCE_ROOT_MEAN_SQUARE);
 }
+
+TEST_CASE("tracking error: averaged errors of x and y beside those of all axes", "[tracking_error]") {
+    Scored run("{armse: true}");
+    run.real(0, 9, {0, 0, 0, 0, 0, 0});
+    run.estimate(0, 1, {3, 4, 12, 0, 0, 0});
+    CHECK(run.cell(0, "position_xy") == Approx(5));
+    CHECK(run.cell(0, "position") == Approx(13));
+    CHECK(std::string(run.scalar("position_armse").column) == "position_xy");
+    CHECK(std::string(run.scalar("position_armse_3d").column) == "position");
+}
+
+TEST_CASE("tracking error: only instants at multiples of the period count, and nees may begin later",
+          "[tracking_error]") {
+    Scored run("{period: 2 s, from_scan: 1, nees_from_scan: 2}");
+    for (int k = 0; k < 7; ++k) {
+        run.real(k, 9, {0, 0, 0, 0, 0, 0});
+        run.estimate(k, 1, {1.0 * k, 0, 0, 0, 0, 0});
+    }
+    REQUIRE(run.table().rows.count == 3);
+    for (int row = 0; row < 3; ++row) CHECK(run.cell(row, "time") == 2 * (row + 1));
+    CHECK(run.cell(0, "position") == 2);
+    CHECK(std::isnan(run.cell(0, "nees")));
+    CHECK(std::isnan(run.cell(0, "anees")));
+    CHECK(run.cell(1, "nees") == Approx(16));
+    CHECK(run.scalar("estimates").value == 3);
+}

@@ -108,17 +108,23 @@ JoinedSpace::JoinedSpace(const std::vector<pelorus::Space>& spaces) {
     }
 }
 
+void Filter::check_chain(std::size_t models) {
+    const std::size_t changing = models - (warm_up_ ? 1 : 0);
+    if (changing > 1 && !(stay_ * static_cast<double>(changing) >= 1))
+        throw pelorus::ParameterError(
+            "stay", "must be at least 1/" + std::to_string(changing) + ", which is leaving a model to chance");
+    chain_ = Chain(stay_, warm_up_, static_cast<int>(models));
+}
+
 void Filter::build(const pelorus::Setup& setup) {
     const auto parts = setup.parts<pelorus::EstimatorPart>("estimators");
     if (parts.empty()) throw PartError("estimators", "slot estimators is empty, one filter at least is needed");
     if (parts.size() > max_models)
         throw PartError("estimators", "holds " + std::to_string(parts.size()) + " filters, at most " +
                                           std::to_string(max_models) + " are taken");
-    if (parts.size() > 1 && !(stay_ * static_cast<double>(parts.size()) >= 1))
-        throw pelorus::ParameterError(
-            "stay", "must be at least 1/" + std::to_string(parts.size()) + ", which is leaving a model to chance");
+    check_chain(parts.size());
     std::vector<pelorus::Space> states, cartesians;
-    record_size_ = static_cast<std::int64_t>(parts.size());
+    record_size_ = static_cast<std::int64_t>(parts.size()) + (warm_up_ ? 1 : 0);
     for (const auto& part : parts) {
         if ((part.info().flags & PLR_ESTIMATOR_ASSIGNABLE) == 0)
             throw PartError("estimators", part.name() + " (" + part.id() +
@@ -178,7 +184,7 @@ plr_estimator_info Filter::told() const {
     plr_estimator_info info{};
     info.struct_size = sizeof info;
     info.flags = PLR_ESTIMATOR_BACKWARD | (is_assignable() ? std::uint32_t{PLR_ESTIMATOR_ASSIGNABLE} : 0u);
-    info.record_version = 1;
+    info.record_version = warm_up_ ? 2 : 1;
     for (const Model& model : models_) {
         const plr_estimator_info& own = model.part.info();
         if ((own.flags & PLR_ESTIMATOR_BACKWARD) == 0) info.flags &= ~std::uint32_t{PLR_ESTIMATOR_BACKWARD};
@@ -221,7 +227,7 @@ const Filter::SeenBy& Filter::sensor(std::int32_t index) const {
     return sensors_[static_cast<std::size_t>(index)];
 }
 
-/// Each filter starts with what it has of the components that are given; all models are equally likely.
+/// Each filter starts with what it has of the components that are given.
 plr_status Filter::init(const plr_call& call, const plr_estimator_init& args) const {
     const std::int64_t known = args.known, total = args.record.count;
     for (std::int64_t k = 0; k < known; ++k)
@@ -259,8 +265,10 @@ plr_status Filter::init(const plr_call& call, const plr_estimator_init& args) co
             start.record = records_of(models_[j], records);
             tolerate(models_[j].part.call(&plr_estimator::init, block, start));
         }
-        return for_good_items(block, items,
-                              [&](std::int64_t i) { std::fill_n(at(records, i), count(), 1.0 / count()); });
+        return for_good_items(block, items, [&](std::int64_t i) {
+            chain_.begin(at(records, i));
+            if (warm_up_) at(records, i)[count()] = 0;
+        });
     });
 }
 
@@ -343,14 +351,14 @@ plr_status Filter::assign(const plr_call& call, const plr_estimator_assign& args
             own.out = records_of(model, pelorus::slice(args.out, first, items));
             tolerate(model.part.call(&plr_estimator::assign, block, own));
         }
-        return keep_weights(block, records, pelorus::slice(args.out, first, items));
+        return keep_heads(block, records, pelorus::slice(args.out, first, items));
     });
 }
 
-plr_status Filter::keep_weights(const plr_call& call, const plr_const_view& from, const plr_view& to) const {
+plr_status Filter::keep_heads(const plr_call& call, const plr_const_view& from, const plr_view& to) const {
     return for_good_items(call, to.count, [&](std::int64_t i) {
         const double* const weights = weights_of(from, i);
-        if (weights != at(to, i)) std::copy_n(weights, count(), at(to, i));
+        if (weights != at(to, i)) std::copy_n(weights, head(), at(to, i));
     });
 }
 
@@ -387,6 +395,12 @@ template <bool assigns> void Imm<assigns>::describe(pelorus::Describe<Imm>& plug
         .above(0)
         .max(1)
         .doc("probability that the target keeps to its model for a second; 1: it never changes");
+    plugin.parameter("warm_up", &Imm::warm_up_)
+        .unit("s")
+        .above(0)
+        .doc(
+            "so long from its start a track has the first filter alone; then the others take over, equally likely, and "
+            "the first one has no more part; absent: all filters from the start");
 }
 
 template <bool assigns> void Imm<assigns>::setup(const pelorus::Setup& setup) {

@@ -1,6 +1,6 @@
 /// estimator.imm: several filters side by side, of which one describes the target at a time. See README.md.
 ///
-/// The record of a track: [probabilities of the models (r), the record of each].
+/// The record of a track: [probabilities of the models (r), with a warm-up the age (s), the record of each].
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 #include <pelorus/batch_model.hpp>
 
 #include "../../common/batches/batches.hpp"
-#include "mixture.hpp"
+#include "chain.hpp"
 
 namespace imm {
 
@@ -46,6 +46,7 @@ protected:
     const std::vector<const char*>& names() const noexcept { return names_; }
 
     double stay_ = 0.95;
+    std::optional<double> warm_up_;  // s
 
 private:
     struct Model {
@@ -70,7 +71,10 @@ private:
         const double *looks, *crosses, *states;
     };
 
+    void check_chain(std::size_t models);
     void add_sensors(const std::vector<pelorus::EstimatorPart>& parts);
+    /// Doubles of a record before those of the models.
+    int head() const noexcept { return count() + (warm_up_ ? 1 : 0); }
     int count() const noexcept { return static_cast<int>(models_.size()); }
     const SeenBy& sensor(std::int32_t index) const;
     template <class View> View records_of(const Model& model, const View& records) const noexcept {
@@ -84,13 +88,12 @@ private:
     void ask_moments(const plr_call& block, const plr_const_view& records, bool is_cartesian, double* memory) const;
     void load(const JoinedSpace& joined, bool is_cartesian, const double* memory, std::int64_t item,
               Gaussian<max_state>* out) const;
-    plr_status keep_weights(const plr_call& call, const plr_const_view& from, const plr_view& to) const;
+    plr_status keep_heads(const plr_call& call, const plr_const_view& from, const plr_view& to) const;
     const double* weights_of(const plr_const_view& records, std::int64_t i) const;
 
     plr_status stand(const plr_call& call, const plr_estimator_predict& args) const;
     plr_status move(const plr_call& call, const plr_estimator_predict& args) const;
-    void stay_or_go(double dt, double& stay, double& go) const noexcept;
-    void mix(double dt, const double* before, double* memory, std::int64_t item, double* after) const;
+    void mix(double dt, const double* head, double* memory, std::int64_t item, double* after) const;
     void assign_models(const plr_call& block, const plr_estimator_predict& args, double* memory) const;
     void predict_models(const plr_call& call, const plr_estimator_predict& args, const plr_const_view& from) const;
 
@@ -103,6 +106,7 @@ private:
     void tell_innovation(const plr_call& block, const plr_estimator_update& args, double* memory) const;
     void weigh(const double* before, const double* log_likelihoods, double* after, double& told) const;
 
+    Chain chain_;
     std::vector<Model> models_;
     std::vector<SeenBy> sensors_;
     JoinedSpace state_, cartesian_;
@@ -119,6 +123,7 @@ public:
     void setup(const pelorus::Setup& setup);
     const void* extension(const char* id) const noexcept;
     using Filter::stay_;
+    using Filter::warm_up_;
 
     // The table wants members of this very class.
     plr_status init(const plr_call& call, const plr_estimator_init& args) const { return Filter::init(call, args); }

@@ -24,7 +24,7 @@ plr_status Filter::predict(const plr_call& call, const plr_estimator_predict& ar
 /// The filters copy themselves.
 plr_status Filter::stand(const plr_call& call, const plr_estimator_predict& args) const {
     predict_models(call, args, args.record);
-    return keep_weights(call, args.record, args.out);
+    return keep_heads(call, args.record, args.out);
 }
 
 void Filter::predict_models(const plr_call& call, const plr_estimator_predict& args, const plr_const_view& from) const {
@@ -47,7 +47,9 @@ plr_status Filter::move(const plr_call& call, const plr_estimator_predict& args)
         ask_moments(block, here.record, false, scratch.data());
         const plr_status mixed = for_good_items(block, items, [&](std::int64_t i) {
             double weights[max_models];
-            mix(*at(here.dt, i), weights_of(here.record, i), scratch.data(), i, weights);
+            const double dt = *at(here.dt, i), *const before = weights_of(here.record, i);
+            mix(dt, before, scratch.data(), i, weights);
+            if (warm_up_) at(here.out, i)[count()] = before[count()] + dt;
             std::copy_n(weights, count(), at(here.out, i));
         });
         if (mixed < 0) return mixed;
@@ -57,33 +59,25 @@ plr_status Filter::move(const plr_call& call, const plr_estimator_predict& args)
     });
 }
 
-/// Each model starts from a mixture of all, in the place of its own moments; `after` gets how likely the models are then.
-void Filter::mix(double dt, const double* before, double* memory, std::int64_t item, double* after) const {
-    double stay = 1, go = 0;
-    stay_or_go(dt, stay, go);
+/// Each model starts from a mixture of all, in the place of its own moments; `after` gets how likely the models are then. `head` is
+/// that of the record before.
+void Filter::mix(double dt, const double* head, double* memory, std::int64_t item, double* after) const {
+    const Transitions chain = chain_.step(dt, warm_up_ ? head[count()] : 0.0, head[0] > 0);
     Gaussian<max_state> models[max_models];
     load(state_, false, memory, item, models);
     for (int j = 0; j < count(); ++j) {
         double weights[max_models];
         after[j] = 0;
-        for (int i = 0; i < count(); ++i) after[j] += weights[i] = (i == j ? stay : go) * before[i];
-        // A model that nobody comes to goes on by itself.
-        for (int i = 0; i < count(); ++i) weights[i] = after[j] > 0 ? weights[i] / after[j] : i == j;
+        for (int i = 0; i < count(); ++i) after[j] += weights[i] = chain.from_to[i][j] * head[i];
+        // A model that nobody comes to goes on by itself; one that has no part yet, or none any more, goes with the others.
+        for (int i = 0; i < count(); ++i)
+            weights[i] = after[j] > 0 ? weights[i] / after[j] : warm_up_ ? head[i] : static_cast<double>(i == j);
         const Gaussian<max_state> mixed = mixture(models, weights, count(), state_.angles);
         const std::int64_t n = models_[static_cast<std::size_t>(j)].n;
         state_.places[static_cast<std::size_t>(j)].narrowed(mixed, memory + item * n,
                                                             memory + block_size * n + item * n * n);
         memory += block_size * (n + n * n);
     }
-}
-
-/// Of a chain in which all models are left at one rate, for any of the others: exact for any dt.
-void Filter::stay_or_go(double dt, double& stay, double& go) const noexcept {
-    const double r = count();
-    if (count() == 1) return;
-    const double kept = std::pow((stay_ - 1 / r) / (1 - 1 / r), std::fabs(dt));
-    stay = 1 / r + (1 - 1 / r) * kept;
-    go = (1 - kept) / r;
 }
 
 void Filter::assign_models(const plr_call& block, const plr_estimator_predict& args, double* memory) const {
@@ -223,6 +217,7 @@ plr_status Filter::update(const plr_call& call, const plr_estimator_update& args
             double each[max_models], after[max_models], log_likelihood = 0;
             for (int j = 0; j < count(); ++j) each[j] = likelihoods[j * block_size + i];
             weigh(weights_of(here.record, i), each, after, log_likelihood);
+            if (warm_up_) at(here.out, i)[count()] = at(here.record, i)[count()];
             std::copy_n(after, count(), at(here.out, i));
             if (args.log_likelihood.data != nullptr) *at(args.log_likelihood, first + i) = log_likelihood;
         });

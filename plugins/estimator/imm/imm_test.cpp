@@ -23,7 +23,8 @@ const Motion straight{"constant_velocity", {{"noise", "0.01"}}};
 
 /// Kalman filters, one a motion, by themselves and side by side.
 struct Models {
-    explicit Models(const std::vector<Motion>& list, const std::string& stay = "0.9") : sensor("sensor", "position") {
+    explicit Models(const std::vector<Motion>& list, const std::string& stay = "0.9", const std::string& warm_up = "")
+        : sensor("sensor", "position") {
         std::vector<Instance::Filled> parts;
         for (const Motion& one : list) {
             motions.push_back(std::make_unique<Instance>("motion", one.name, one.values));
@@ -33,7 +34,9 @@ struct Models {
             single.emplace_back(*kalman.back());
             parts.push_back({"estimators", "model_" + std::to_string(single.size()), kalman.back().get()});
         }
-        instance = std::make_unique<Instance>("estimator", "imm", Values{{"stay", stay}}, parts);
+        Values values{{"stay", stay}};
+        if (!warm_up.empty()) values["warm_up"] = warm_up;
+        instance = std::make_unique<Instance>("estimator", "imm", values, parts);
         imm = std::make_unique<EstimatorUnderTest>(*instance);
     }
     VectorXd probabilities(const Batch& record) const {
@@ -188,6 +191,48 @@ TEST_CASE("imm: the probabilities of the models do not depend on how a time is c
     CHECK((m.probabilities(cut) - whole).norm() < 1e-12);
     CHECK((m.probabilities(predicted(*m.imm, record, 1)) - Eigen::Vector2d(0.941, 0.059)).norm() < 1e-12);
     CHECK(m.probabilities(predicted(*m.imm, record, 0)) == m.probabilities(record));
+}
+
+TEST_CASE("imm: a warm-up is the first filter alone, which the others then start from, without it", "[imm]") {
+    const Models m({singer("5"), singer("0.01"), singer("1")}, "0.9", "2.5 s");
+    const EstimatorUnderTest& first = m.single[0];
+    Batch record = started(*m.imm, place(), spread), alone = started(first, place(), spread);
+    const MatrixXd noise = 4 * MatrixXd::Identity(3, 3);
+    const auto step = [&](const EstimatorUnderTest& filter, const Batch& from, int k) {
+        EstimatorUnderTest::Told told(3, 1);
+        return updated(filter, predicted(filter, from, 1), place().head(3) + 20.0 * k * VectorXd::Unit(3, 0), noise,
+                       told);
+    };
+    for (int k = 1; k <= 3; ++k) {
+        record = step(*m.imm, record, k);
+        alone = step(first, alone, k);
+        CHECK(difference(moments(*m.imm, record), moments(first, alone)) < 1e-12);
+        CHECK(m.probabilities(record) == VectorXd(VectorXd::Unit(3, 0)));
+    }
+    // What an interacting pair would do that starts where the first filter is.
+    const Models pair({singer("0.01"), singer("1")}, "0.9");
+    const Moments here = moments(first, alone);
+    Batch other = started(*pair.imm, here.mean, here.covariance);
+    for (int k = 4; k <= 6; ++k) {
+        record = step(*m.imm, record, k);
+        other = step(*pair.imm, other, k);
+        CHECK(difference(moments(*m.imm, record), moments(*pair.imm, other)) < 1e-10);
+        CHECK((m.probabilities(record).tail(2) - pair.probabilities(other)).norm() < 1e-10);
+        CHECK(m.probabilities(record)(0) == 0);
+    }
+}
+
+TEST_CASE("imm: models that take over from a warm-up are those that `stay` speaks of, and a filter alone goes on",
+          "[imm]") {
+    CHECK_THROWS_WITH(Models({straight, singer("1"), singer("2")}, "0.4", "2 s"), Catch::Contains("1/2"));
+    CHECK_NOTHROW(Models({straight, singer("1")}, "0.1", "2 s"));  // nothing changes any more
+    const Models m({singer("1")}, "0.9", "2 s");
+    Batch record = started(*m.imm, place(), spread), alone = started(m.single[0], place(), spread);
+    for (int k = 0; k < 4; ++k) {
+        record = predicted(*m.imm, record, 1);
+        alone = predicted(m.single[0], alone, 1);
+    }
+    CHECK(difference(moments(*m.imm, record), moments(m.single[0], alone)) < 1e-14);
 }
 
 TEST_CASE("imm: models of other components meet by name, and a missing one enters with its prior", "[imm]") {

@@ -1,5 +1,5 @@
 // motion.coordinated_turn: a level turn at constant speed and rate, the rate known or estimated. See README.md.
-#include "coordinated_turn_model.hpp"
+#include "../../common/kinematics/coordinated_turn.hpp"
 
 #include "../../common/kinematics/white_acceleration.hpp"
 #include "../../common/variants/variants.hpp"

@@ -1,5 +1,5 @@
 /// Logarithmic spherical coordinates: the logarithm of the range, two angles, and the velocity over the range along the three
-/// directions that they have. Everything in three dimensions; the plane is elevation 0.
+/// directions that they have; and level turns in them. Everything in three dimensions; the plane is elevation 0.
 ///
 /// With r = exp(lambda), azimuth b (from +x to +y), elevation e (from the x-y plane up):
 ///
@@ -11,6 +11,9 @@
 /// Angle-only filtering in three dimensions, in: M. Mallick, V. Krishnamurthy, B.-N. Vo (eds.), Integrated Tracking,
 /// Classification, and Sensor Management, Wiley 2012, chapter 1 (log spherical coordinates).
 #pragma once
+
+#include "../../common/kinematics/coordinated_turn.hpp"
+#include "../../common/kinematics/white_acceleration.hpp"
 
 #include <cmath>
 
@@ -96,13 +99,16 @@ inline Matrix<6> from_cartesian_jacobian(const Coordinates& s) {
     return j;
 }
 
-/// Straight flight at constant velocity for dt (s), of any sign, in closed form: with the range as the unit of length the point
-/// moves from u_r by dt (rho u_r + omega u_b + eta u_e). Throws NumericError where it ends in the origin.
-inline Coordinates propagate(const Coordinates& s, double dt) {
+/// Flight for dt (s, of any sign) in a level turn at a constant rate (rad/s, positive from x to y), straight where that is 0, the height
+/// changing at a constant rate; in closed form: with the range as the unit of length the point starts from u_r with the velocity
+/// rho u_r + omega u_b + eta u_e. Throws NumericError where it ends in the origin.
+inline Coordinates propagate(const Coordinates& s, double turn_rate, double dt) {
     const double ce = std::cos(s(2)), se = std::sin(s(2));
-    const double along = 1.0 + dt * s(3), across = dt * s(4), over = dt * s(5);
     // Horizontal (away from the origin), across, and up, in axes turned by the azimuth.
-    const double out = along * ce - over * se, up = along * se + over * ce;
+    const kinematics::Arc arc(turn_rate * dt);
+    const double v_out = s(3) * ce - s(5) * se, v_across = s(4), v_up = s(3) * se + s(5) * ce;
+    const double out = ce + dt * (arc.along * v_out - arc.across * v_across),
+                 across = dt * (arc.along * v_across + arc.across * v_out), up = se + dt * v_up;
     // An elevation beyond the zenith is a way to write the point: the answer is written in the same way.
     const double side = ce < 0.0 ? -1.0 : 1.0;
     const double level = std::hypot(out, across), growth = std::hypot(level, up);
@@ -111,22 +117,51 @@ inline Coordinates propagate(const Coordinates& s, double dt) {
     y(0) = s(0) + std::log(growth);
     y(1) = pelorus::wrap_angle(s(1) + std::atan2(side * across, side * out));
     y(2) = std::atan2(up, side * level);
-    // The velocity stays; its components over the range are those along the new directions.
-    y.tail<3>() = directions(y).transpose() * (directions(s) * s.tail<3>()) / growth;
+    // The velocity, turned; its components over the range are those along the new directions.
+    const double heading = s(1) + turn_rate * dt, cosine = std::cos(heading), sine = std::sin(heading);
+    const Vector<3> velocity(cosine * v_out - sine * v_across, sine * v_out + cosine * v_across, v_up);
+    y.tail<3>() = directions(y).transpose() * velocity / growth;
     return y;
 }
 
-/// F = (d s' / d c') (d c' / d c) (d c / d s), with y the coordinates after the step.
-inline Matrix<6> jacobian(const Coordinates& s, const Coordinates& y, double dt) {
+/// What is said of the coordinates (and, with N = 7, of a turn rate that is the same in both) from a matrix of the six.
+template <int N> Matrix<N> beside_turn_rate(const Matrix<6>& six) {
+    Matrix<N> out = Matrix<N>::Identity();
+    out.template topLeftCorner<6, 6>() = six;
+    return out;
+}
+
+/// d (position, velocity[, turn rate]) after the step / d those before it; N = 6 or, with the turn rate, 7.
+template <int N> Matrix<N> cartesian_transition(const Cartesian& c, double turn_rate, double dt) {
+    Matrix<N> f = beside_turn_rate<N>(coordinated_turn::transition<3>(turn_rate, dt));
+    if constexpr (N > 6) f.template topRightCorner<6, 1>() = coordinated_turn::rate_derivative<3>(c, turn_rate, dt);
+    return f;
+}
+
+/// F = (d s' / d c') (d c' / d c) (d c / d s), with y the coordinates after the step; N as above.
+template <int N> Matrix<N> jacobian(const Coordinates& s, const Coordinates& y, double turn_rate, double dt) {
     // With the range at the start as the unit of length nothing overflows, whatever it is.
     Coordinates from = s, to = y;
     to(0) -= from(0);
     from(0) = 0.0;
-    Matrix<6> moved = to_cartesian_jacobian(from);
-    moved.topRows<3>() += dt * moved.bottomRows<3>().eval();
-    Matrix<6> f;
-    pelorus::small::multiply(from_cartesian_jacobian(to), moved, f);
+    Matrix<N> moved, f;
+    pelorus::small::multiply(cartesian_transition<N>(to_cartesian(from), turn_rate, dt),
+                             beside_turn_rate<N>(to_cartesian_jacobian(from)), moved);
+    pelorus::small::multiply(beside_turn_rate<N>(from_cartesian_jacobian(to)), moved, f);
     return f;
+}
+
+/// Of Cartesian white acceleration (densities of the axes, m2/s3) and of a turn rate that wanders (rad2/s3), carried to the coordinates
+/// y after the step from s; N as above. dt < 0: that of the state as it was, given the state as it is.
+template <int N>
+Matrix<N> noise(const Coordinates& s, const Coordinates& y, double turn_rate, double dt, const Vector<3>& density,
+                double rate_density) {
+    Matrix<N> q = Matrix<N>::Zero(), out;
+    kinematics::add_per_axis(kinematics::white_acceleration(std::fabs(dt)), density, q);
+    if (N > 6) q(N - 1, N - 1) = rate_density * std::fabs(dt);
+    if (dt < 0.0) q = kinematics::carried_back<N>(cartesian_transition<N>(to_cartesian(s), turn_rate, dt), q);
+    pelorus::small::symmetric_product(beside_turn_rate<N>(from_cartesian_jacobian(y)), q, out);
+    return out;
 }
 
 }  // namespace log_spherical

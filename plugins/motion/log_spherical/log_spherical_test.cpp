@@ -135,3 +135,40 @@ TEST_CASE("places without a direction are refused", "[motion][log_spherical]") {
     CHECK_THROWS_WITH(motion.propagate(2.0, hit), Catch::Contains("ends in the origin"));
     CHECK_NOTHROW(motion.propagate(2.001, hit));
 }
+
+TEST_CASE("a turn in logarithmic spherical coordinates is the coordinated turn seen from the origin",
+          "[motion][log_spherical]") {
+    for (const int dimension : {2, 3})
+        for (const bool estimated : {false, true}) {
+            Values turning{{"dimension", std::to_string(dimension)}, {"noise", "3"}}, cartesian = turning;
+            turning["origin"] = dimension == 2 ? "[10, -5]" : "[10, -5, 3]";
+            if (estimated) {
+                turning["estimate_turn_rate"] = "true";
+                turning["turn_rate_noise"] = cartesian["turn_rate_noise"] = "1e-6";
+            } else {
+                turning["turn_rate"] = cartesian["turn_rate"] = "-0.02";
+            }
+            const Instance ours("motion", "log_spherical", turning), plain("motion", "coordinated_turn", cartesian);
+            const MotionAt motion(ours), reference(plain);
+            VectorXd c(2 * dimension + (estimated ? 1 : 0));
+            c.head(2 * dimension) = flight(dimension);
+            if (estimated) c(2 * dimension) = 0.02;
+            const VectorXd s = motion.from_cartesian(c);
+            CHECK((motion.to_cartesian(s) - c).norm() < 1e-9);
+            for (const double dt : {0.05, 2.0, 40.0, -3.0}) {
+                CAPTURE(dimension, estimated, dt);
+                const VectorXd expected = reference.propagate(dt, c), after = motion.propagate(dt, s);
+                CHECK((motion.to_cartesian(after) - expected).norm() < 1e-11 * expected.norm());
+                CHECK(motion.jacobian_error(dt, s) < 1e-6);
+                const Eigen::MatrixXd to = motion.to_cartesian_jacobian(after), q = reference.noise(dt, c);
+                CHECK(relative_difference(to * motion.noise(dt, s) * to.transpose(), q) < 1e-9);
+            }
+            CHECK(motion.conversion_error(s) < 1e-7);
+        }
+}
+
+TEST_CASE("what belongs to an estimated turn rate is refused beside a known one", "[motion][log_spherical]") {
+    CHECK_THROWS_WITH(Instance("motion", "log_spherical", {{"turn_rate_noise", "1e-6"}}), Catch::Contains("estimate"));
+    CHECK_THROWS_WITH(Instance("motion", "log_spherical", {{"prior_turn_rate", "0.01"}}), Catch::Contains("estimate"));
+    CHECK_THROWS_WITH(Instance("motion", "log_spherical", {{"origin", "[1, 2]"}}), Catch::Contains("expected 3"));
+}

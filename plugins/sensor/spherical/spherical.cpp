@@ -2,6 +2,7 @@
 #include "../../common/batches/batches.hpp"
 #include "../../common/sensing/angles.hpp"
 #include "../../common/sensing/mounted_sensor.hpp"
+#include "../../common/variants/variants.hpp"
 #include "spherical_kernels.hpp"
 
 #include <array>
@@ -40,13 +41,25 @@ plr_status settled(const plr_call& call, std::int64_t items, const Faults& fault
     return pelorus::for_items(call, items, [&](std::int64_t i) { require(faults[static_cast<std::size_t>(i)]); });
 }
 
+enum class Range { own, passive };
+
+/// What it is and does; all but the noise, whose length differs among the classes.
+template <class Plugin> void describe_reading(pelorus::Describe<Plugin>& plugin);
+
+constexpr const char *units = "m, rad, rad", *initial_noise = "[10 m, 1 mrad, 1 mrad]",
+                     *measured = "range, azimuth and elevation or zenith";
+
 /// Whole batches are worked out over lanes: measure, jacobian and residual of the table are those here.
 struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
     static constexpr std::uint32_t flags = sensing::mounted_flags | PLR_SENSOR_CAN_INVERT;
 
     Angle angle = Angle::elevation;
+    Range range = Range::own;
 
-    static void describe(pelorus::Describe<Spherical>& plugin);
+    static void describe(pelorus::Describe<Spherical>& plugin) {
+        describe_reading(plugin);
+        describe_common(plugin, units, initial_noise, measured);
+    }
 
     pelorus::Space measurement_space() const {
         return pelorus::Space(
@@ -165,7 +178,38 @@ plr_status Spherical::residual_batch(const plr_call& call, const plr_sensor_resi
     return batches::in_blocks(call, count, body, block);
 }
 
-void Spherical::describe(pelorus::Describe<Spherical>& plugin) {
+/// The angles alone. `noise` and `bias` have three values all the same, of which those of the range are left out.
+struct Passive : sensing::MountedSensor<Passive, 2, 3> {
+    static constexpr std::uint32_t flags = sensing::mounted_flags;
+    static constexpr int bias_offset = 1;
+
+    Angle angle = Angle::elevation;
+    Range range = Range::passive;
+    pelorus::Vector<3> all_deviations;
+
+    static void describe(pelorus::Describe<Passive>& plugin) {
+        describe_reading(plugin);
+        plugin.parameter("noise", &Passive::all_deviations)
+            .unit(units)
+            .initially(initial_noise)
+            .above(0.0)
+            .doc(std::string("deviations of ") + measured + "; for scans that carry no covariances");
+        describe_law(plugin);
+        describe_inputs(plugin, units, 3, measured);
+    }
+
+    void setup(const pelorus::Setup& setup) {
+        deviations = all_deviations.tail<2>();
+        MountedSensor::setup(setup);
+    }
+    pelorus::Space measurement_space() const {
+        return pelorus::Space({sensing::azimuth_component(), sensing::angle_component(angle)});
+    }
+    Measurement seen(const Cartesian& local) const { return sensing::seen(local, angle).tail<2>(); }
+    Jacobian slope(const Cartesian& local) const { return sensing::slope(local, angle).bottomRows<2>(); }
+};
+
+template <class Plugin> void describe_reading(pelorus::Describe<Plugin>& plugin) {
     plugin.title("Range, azimuth and elevation or zenith")
         .purpose(
             "A radar, lidar or sonar that measures range and two angles from its mount. Single measurements are "
@@ -177,10 +221,23 @@ void Spherical::describe(pelorus::Describe<Spherical>& plugin) {
             "L. Mo, X. Song, Y. Zhou, Z. K. Sun, Y. Bar-Shalom, Unbiased converted measurements for tracking, IEEE "
             "Transactions on Aerospace and Electronic Systems 34(3), 1023-1027, 1998; S. Bordonaro, P. Willett, Y. "
             "Bar-Shalom, Decorrelated unbiased converted measurement Kalman filter, ibid. 50(2), 1431-1444, 2014");
-    sensing::describe_angle(plugin, &Spherical::angle);
-    describe_common(plugin, "m, rad, rad", "[10 m, 1 mrad, 1 mrad]", "range, azimuth and elevation or zenith");
+    sensing::describe_angle(plugin, &Plugin::angle);
+    plugin.parameter("range", &Plugin::range)
+        .initially("own")
+        .choices(
+            {{"own", "the sensor measures the range itself"},
+             {"passive", "it measures angles alone, as sensor.bearings does; a single measurement tells no position"}})
+        .doc("whether the range is measured");
 }
+
+/// Chooses the class by `range`.
+struct Plugin : variants::Variants<Spherical> {
+    static plr_instance create(const pelorus::Setup& setup) {
+        return parameters(setup).range == Range::own ? pelorus::instantiate<Spherical>(setup)
+                                                     : pelorus::instantiate<Passive>(setup);
+    }
+};
 
 }  // namespace
 
-PELORUS_PLUGIN(Spherical, "sensor.spherical");
+PELORUS_PLUGIN(Plugin, "sensor.spherical");

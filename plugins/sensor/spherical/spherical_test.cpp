@@ -207,3 +207,25 @@ TEST_CASE("azimuths on both sides of the cut are close to each other", "[sensor]
     CHECK(residual(1) == Approx(6.2 - 2.0 * std::acos(-1.0)));
     CHECK(residual(2) == Approx(-0.1));
 }
+
+TEST_CASE("a passive spherical sensor measures the angles of one with a range, with their noise and bias", "[sensor]") {
+    const std::vector<std::pair<std::string, std::string>> mount{{"angle", "zenith"},
+                                                                 {"position", "[10, 5, 3]"},
+                                                                 {"attitude", "[-1 deg, 2 deg, -3 deg]"},
+                                                                 {"noise", "[5, 1e-5, 2e-5]"}};
+    Values own(mount.begin(), mount.end()), alone = own;
+    alone["range"] = "passive";
+    const Instance ranging("sensor", "spherical", own), passive("sensor", "spherical", alone);
+    SensorUnderTest full(ranging), angles(passive);
+    CHECK(angles.component(0) == "azimuth");
+    CHECK(angles.component(1) == "zenith");
+    CHECK((angles.flags() & PLR_SENSOR_CAN_INVERT) == 0);
+    CHECK((angles.flags() & PLR_SENSOR_CONSTANT_NOISE) != 0);
+    const double inputs[] = {40.0, 0.01, -0.02, 7, -6, 5, 0.3, -0.2, 0.1};
+    full.inputs(inputs);
+    angles.inputs(inputs);
+    const Eigen::Vector3d p(950, 1250, 1050);
+    CHECK(largest(angles.measure(p) - full.measure(p).tail(2)) < 1e-14);
+    CHECK(largest(angles.noise_at(p) - full.noise_at(p).bottomRightCorner(2, 2)) < 1e-20);
+    angles.check_jacobian(p, 1e-2);
+}

@@ -42,6 +42,11 @@ void SingleTargetTracker::describe(pelorus::Describe<SingleTargetTracker>& plugi
             "2001, 5.4 (consistency: starts drawn about the truth), 5.5 (start from a measurement)");
     plugin.slot("estimator", "estimator", 1, 1, "the filter; its sensors are those whose scans may come");
     describe_start(plugin);
+    plugin.parameter("anew", &SingleTargetTracker::anew_)
+        .initially("false")
+        .doc(
+            "every measurement that tells a position by itself begins the track anew: what measurements tell without a "
+            "filter, to compare filters with");
     plugin.parameter("maximum_misses", &SingleTargetTracker::maximum_misses_)
         .min(1)
         .doc("scans in a row without a measurement after which the track ends; absent: never");
@@ -81,6 +86,7 @@ void SingleTargetTracker::check_start() const {
                                                           " axes");
     }
     if (given && !start_position_) throw pelorus::ParameterError("start_position", "is required with start: given");
+    if (start_ != Start::measurement && anew_) throw pelorus::ParameterError("anew", "belongs to start: measurement");
     if (start_ == Start::measurement && start_sd_)
         throw pelorus::ParameterError("start_sd", "belongs to start: given or drawn; a measurement has a covariance");
     if (start_ != Start::measurement && !start_sd_)

@@ -309,6 +309,24 @@ TEST_CASE("single target: a saved tracker goes on bit for bit, before and after 
     CHECK_THROWS_WITH(other.tracker->load(whole.tracker->save()), Catch::Contains("another estimator"));
 }
 
+TEST_CASE("begun anew with every measurement, the track tells the measurements themselves", "[single_target]") {
+    Rig rig("{anew: true}");
+    const Eigen::Vector2d points[] = {{10, 20}, {-300, 5}, {40, 41}};
+    for (int k = 0; k < 3; ++k) rig.scan(k, points[k]);
+    rig.empty(3);
+    const auto told = rig.told();
+    REQUIRE(told.size() == 4);
+    for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(told[k].id == 1);
+        CHECK(told[k].status == PLR_TRACK_CONFIRMED);
+        CHECK(told[k].mean.head<2>() == points[k]);
+        CHECK((told[k].covariance.topLeftCorner<2, 2>() - 9 * Eigen::Matrix2d::Identity()).norm() < 1e-12);
+        CHECK(told[k].used.size() == 1);
+    }
+    CHECK(told[3].status == PLR_TRACK_COASTING);
+    CHECK_THROWS_WITH(Rig("{anew: true, start: drawn, start_sd: [1, 1, 1]}"), Catch::Contains("anew"));
+}
+
 TEST_CASE("single target: what does not belong together is refused by name", "[single_target]") {
     const auto refused = [](const std::string& with) {
         try {

@@ -83,7 +83,7 @@ void SingleTargetTracker::on_scan(const pelorus::Event& event, const plr_scan& s
     begun_ = had_none && track_;
     try {
         for (const Measurement& measurement : measurements_) {
-            if (track_)
+            if (track_ && !(anew_ && filter_.inverts(sensor_)))
                 follow(measurement, scan);
             else if (start_ == Start::measurement)
                 start_from(measurement, scan);
@@ -184,13 +184,15 @@ void SingleTargetTracker::start_from(const Measurement& measurement, const plr_s
 
 void SingleTargetTracker::begin_track(std::int64_t time, const Known& known) {
     Track track;
-    track.id = next_id_;
+    track.id = track_ ? track_->id : next_id_;  // begun anew it is the same one
     track.time = time;
     track.record = filter_.init(at(time, track.id), known.components, known.moments);
-    track_ = std::move(track);
-    ++next_id_;
     started_ = true;
-    count("tracks_started");
+    if (!track_) {
+        ++next_id_;
+        count("tracks_started");
+    }
+    track_ = std::move(track);
 }
 
 // ---------------------------------------------------------------------------------------------------------------- life

@@ -84,7 +84,7 @@ private:
     std::optional<std::vector<double>> start_position_, start_velocity_, start_acceleration_;  // m, m/s, m/s2
     std::optional<std::vector<double>> start_sd_;                                              // m, m/s, m/s2
     std::optional<std::int64_t> maximum_misses_;
-    bool records_ = false;
+    bool records_ = false, anew_ = false;
 
     one_track::Filter filter_;
     std::unique_ptr<pelorus::TracksBuilder> message_;

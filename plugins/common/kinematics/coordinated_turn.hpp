@@ -4,7 +4,7 @@
 /// (nearly constant turn, known and estimated rate).
 #pragma once
 
-#include "../../common/kinematics/sinc.hpp"
+#include "sinc.hpp"
 
 #include <pelorus/matrix.hpp>
 
