@@ -3,6 +3,8 @@
 
 #include "blocks.hpp"
 
+#include <algorithm>
+
 #include <pelorus/small_matrix.hpp>
 
 namespace gaussian {
@@ -65,6 +67,10 @@ void FactorFilter::ask_for_blocks(const plr_call& call, const plr_const_view& dt
         }
         blocks.dt[lane] = now;
     }));
+    const auto end = blocks.dt.cbegin() + dt.count;
+    blocks.is_common = call.input_stride == 0 && std::find_if_not(blocks.dt.cbegin(), end, [&](double each) {
+                                                     return each == blocks.dt.front();
+                                                 }) == end;
 }
 
 plr_status FactorFilter::predict_structured(const plr_call& call, const plr_estimator_predict& args) const {

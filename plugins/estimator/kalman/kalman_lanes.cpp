@@ -2,6 +2,7 @@
 // plugins/common/lanes/pack.hpp.
 #include "../../common/gaussian/groups.hpp"
 #include "kalman_kernels.hpp"
+#include "pair_lanes.hpp"
 
 namespace kalman {
 
@@ -294,7 +295,9 @@ template <class N, class M, class K> void update_of(N states, M measured, K look
 
 template <int B, int D> BlockKernel fixed_blocks() noexcept {
     return [](const BlockStep& step) {
-        if (step.upper_triangular)
+        if (B == 2 && step.upper_triangular && step.is_common)
+            predict_pairs<D>(step);
+        else if (step.upper_triangular)
             predict_blocks_of<Fixed<B>, Fixed<D>, true>({}, {}, step);
         else
             predict_blocks_of<Fixed<B>, Fixed<D>, false>({}, {}, step);

@@ -282,8 +282,8 @@ TEST_CASE("predictions over lanes are F P F' + Q, by blocks and by full matrices
                         std::copy_n(&q1_lanes[static_cast<std::size_t>(e * block_items + first)], items,
                                     &own_q[static_cast<std::size_t>(e * block_items)]);
                     }
-                    by.by_blocks(b, d)({b, d, as_triangular, items, own_f.data(), own_q.data(), scene.record.in(first),
-                                        out.record.out(first), out.outcome.data() + first});
+                    by.by_blocks(b, d)({b, d, as_triangular, false, items, own_f.data(), own_q.data(),
+                                        scene.record.in(first), out.record.out(first), out.outcome.data() + first});
                 });
             };
             Told told = blocks(upper);

@@ -36,9 +36,9 @@ plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_p
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         ask_for_blocks(block, slice(args.dt, first, items), blocks);
         Outcomes outcomes = still_good(block, items);
-        by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
-                           blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
-                           outcomes.data()});
+        by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, blocks.is_common,
+                           static_cast<int>(items), blocks.transition, blocks.noise, items_of(args.record, first),
+                           items_of(args.out, first), outcomes.data()});
         return settled(block, items, outcomes);
     });
 }
