@@ -41,6 +41,10 @@ typedef std::uint64_t Bits __attribute__((vector_size(8 * width)));
 template <int N> struct Fixed {
     constexpr operator int() const noexcept { return N; }
 };
+template <int A, int B> constexpr Fixed<A + B> plus(Fixed<A>, Fixed<B>) noexcept { return {}; }
+template <int A, int B> constexpr Fixed<A * B> times(Fixed<A>, Fixed<B>) noexcept { return {}; }
+constexpr int plus(int a, int b) noexcept { return a + b; }
+constexpr int times(int a, int b) noexcept { return a * b; }
 
 inline Pack all(double number) noexcept { return Pack{} + number; }
 inline Pack absolute(Pack x) noexcept { return (Pack)((Bits)x & ~(std::uint64_t{1} << 63)); }
