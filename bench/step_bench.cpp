@@ -78,6 +78,7 @@ template <int B> struct Tracks {
             predict({B,
                      3,
                      true,
+                     true,
                      items,
                      model.f1,
                      model.q1,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <set>
 
 #include "../../common/partition/group_count.hpp"
 
@@ -60,6 +61,14 @@ void GroupAnalyzer::describe(pelorus::Describe<GroupAnalyzer>& plugin) {
         .initially("[]")
         .rows(0, 100)
         .doc("times whose numbers of groups become scalars: count_at_50 for 50 s");
+}
+
+void GroupAnalyzer::setup(const pelorus::Setup& setup) {
+    frame_ = setup.frame();
+    std::set<std::string> names;
+    for (const double at : counts_at_)
+        if (!names.insert(name_of(at)).second)
+            throw pelorus::ParameterError("counts_at", "two values give one scalar, count_at_" + name_of(at));
 }
 
 std::vector<pelorus::Stream> GroupAnalyzer::in_streams(std::uint32_t) const {

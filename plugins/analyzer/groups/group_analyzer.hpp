@@ -18,7 +18,7 @@ public:
     enum Port : std::uint32_t { tracks, truth, groups };
 
     static void describe(pelorus::Describe<GroupAnalyzer>& plugin);
-    void setup(const pelorus::Setup& setup) { frame_ = setup.frame(); }
+    void setup(const pelorus::Setup& setup);
     std::vector<pelorus::Stream> in_streams(std::uint32_t port) const;
 
     void on_tracks(const pelorus::Event& event, const plr_tracks& message);

@@ -136,6 +136,13 @@ TEST_CASE("groups: a belated message changes who is there, not the count of a ti
     CHECK(run.results.cell(2, "groups") == 3);
 }
 
+TEST_CASE("groups: times that would name one scalar twice are refused", "[groups]") {
+    for (const std::string times : {"[5 s, 2 s, 5 s]", "[5 s, 5.0000000001 s]"})
+        CHECK_THROWS_WITH(Counted("{counts_at: " + times + "}"),
+                          Catch::Contains("counts_at") && Catch::Contains("two values give one scalar, count_at_5"));
+    CHECK_NOTHROW(Counted("{counts_at: [5 s, 5.00000001 s]}"));
+}
+
 TEST_CASE("groups: without any message the tables are empty", "[groups]") {
     Counted run("{threshold: 1 m, counts_at: [5 s]}");
     CHECK(run.results.table().rows.count == 0);

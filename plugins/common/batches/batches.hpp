@@ -43,6 +43,7 @@ plr_status in_runs(const plr_call& call, const plr_estimator_predict& args, Stan
     const auto stands = [&](std::int64_t i) { return args.dt.data[i * args.dt.item_stride] == 0.0; };
     plr_status result = PLR_OK;
     for (std::int64_t first = 0, end = 0; first < args.out.count; first = end) {
+        if (args.dt.item_stride == 0) end = args.out.count;
         while (end < args.out.count && stands(end) == stands(first)) ++end;
         plr_estimator_predict run = args;
         run.dt = pelorus::slice(args.dt, first, end - first);

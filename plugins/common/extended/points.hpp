@@ -140,7 +140,8 @@ public:
     /// Where the axes of the position stand among the Cartesian components.
     const std::vector<int>& position() const noexcept { return in_cartesian_; }
 
-    /// The points of a scan. A measurement that cannot be converted is left out; `refused` counts those.
+    /// The points of a scan. A measurement that cannot be converted, or whose noise the sensor cannot tell, is left out; `refused`
+    /// counts those.
     Points convert(pelorus::Caller& caller, std::int64_t time, const plr_scan& scan, std::int64_t& refused) const {
         Points points;
         points.time = time;
@@ -148,11 +149,11 @@ public:
         const std::int64_t n = scan.measurements.count;
         if (n == 0) return points;
         const std::int64_t i = inverse_.size();
-        std::vector<double> own;  // noise of the sensor model, where the scan has none
+        ModelNoise own;  // where the scan has none
         plr_const_view noise = scan.covariances;
         if (noise.data == nullptr) {
             own = model_noise(caller, time, scan);
-            noise = pelorus::const_view(own.data(), measurement_.size(), measurement_.size(), n);
+            noise = pelorus::const_view(own.numbers.data(), measurement_.size(), measurement_.size(), n);
         }
         std::vector<double> mean(static_cast<std::size_t>(i * n)), covariance(static_cast<std::size_t>(i * i * n));
         auto args = pelorus::arguments<plr_sensor_invert>();
@@ -163,7 +164,8 @@ public:
         const plr_call& call = caller.begin(time, n, scan.ids);
         caller.tolerate(part_.call(&plr_sensor::invert, call, args), "sensor " + part_.name() + ", invert");
         for (std::int64_t k = 0; k < n; ++k) {
-            if (caller.item_failed(static_cast<std::size_t>(k))) {
+            const auto item = static_cast<std::size_t>(k);
+            if (caller.item_failed(item) || (!own.failed.empty() && own.failed[item])) {
                 ++refused;
                 continue;
             }
@@ -178,8 +180,12 @@ public:
     }
 
 private:
+    struct ModelNoise {
+        std::vector<double> numbers;  // m x m x n
+        std::vector<bool> failed;     // of each measurement
+    };
     /// R of each measurement by the sensor model, at the place that the measurement itself tells.
-    std::vector<double> model_noise(pelorus::Caller& caller, std::int64_t time, const plr_scan& scan) const {
+    ModelNoise model_noise(pelorus::Caller& caller, std::int64_t time, const plr_scan& scan) const {
         const std::int64_t n = scan.measurements.count, m = measurement_.size(), c = cartesian_.size(),
                            i = inverse_.size();
         const std::vector<double> none(static_cast<std::size_t>(m * m), 0.0);
@@ -194,7 +200,8 @@ private:
             for (std::size_t axis = 0; axis < from_inverse_.size(); ++axis)
                 place[static_cast<std::size_t>(k * c + in_cartesian_[axis])] =
                     mean[static_cast<std::size_t>(k * i + from_inverse_[axis])];
-        std::vector<double> noise(static_cast<std::size_t>(m * m * n), 0.0);
+        ModelNoise noise;
+        noise.numbers.assign(static_cast<std::size_t>(m * m * n), 0.0);
         auto args = pelorus::arguments<plr_sensor_noise>();
         args.cartesian = pelorus::const_view(place.data(), c, 1, n);
         args.snr = scan.snr;
@@ -203,9 +210,10 @@ private:
             args.waveform.count = n;
             args.waveform.item_stride = 0;
         }
-        args.out = pelorus::view(noise.data(), m, m, n);
+        args.out = pelorus::view(noise.numbers.data(), m, m, n);
         const plr_call& second = caller.begin(time, n, scan.ids);
         caller.tolerate(part_.call(&plr_sensor::noise, second, args), "sensor " + part_.name() + ", noise");
+        for (std::int64_t k = 0; k < n; ++k) noise.failed.push_back(caller.item_failed(static_cast<std::size_t>(k)));
         return noise;
     }
 

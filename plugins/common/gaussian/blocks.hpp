@@ -20,8 +20,15 @@ inline Outcomes still_good(const plr_call& call, std::int64_t items) noexcept {
     return out;
 }
 
+inline bool all_done(const Outcomes& outcomes, std::int64_t items) noexcept {
+    bool done = true;
+    for (std::int64_t i = 0; i < items; ++i) done &= outcomes[static_cast<std::size_t>(i)] == Outcome::done;
+    return done;
+}
+
 /// Fails the items that a kernel could not work out.
 inline plr_status settled(const plr_call& call, std::int64_t items, const Outcomes& outcomes) {
+    if (all_done(outcomes, items)) return PLR_OK;
     return batches::for_good_items(call, items,
                                    [&](std::int64_t i) { require(outcomes[static_cast<std::size_t>(i)]); });
 }

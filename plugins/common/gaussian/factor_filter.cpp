@@ -40,6 +40,8 @@ std::int64_t FactorFilter::linear_doubles() const noexcept {
 
 void FactorFilter::ask_for_blocks(const plr_call& call, const plr_const_view& dt, Blocks& blocks) const {
     const int b = structure_->block;
+    if (dt.item_stride == 0 && call.input_stride == 0 && dt.count <= blocks.common && *at(dt, 0) == blocks.dt.front())
+        return;
     tolerate(pelorus::for_items(call, dt.count, [&](std::int64_t i) {
         const auto lane = static_cast<std::size_t>(i);
         const double now = *at(dt, i);
@@ -65,6 +67,10 @@ void FactorFilter::ask_for_blocks(const plr_call& call, const plr_const_view& dt
         }
         blocks.dt[lane] = now;
     }));
+    blocks.common = 0;
+    while (call.input_stride == 0 && blocks.common < dt.count &&
+           blocks.dt[static_cast<std::size_t>(blocks.common)] == blocks.dt.front())
+        ++blocks.common;
 }
 
 plr_status FactorFilter::predict_structured(const plr_call& call, const plr_estimator_predict& args) const {

@@ -25,6 +25,7 @@ protected:
         double last_dt = std::numeric_limits<double>::quiet_NaN();
         std::array<double, block_items> dt;  // for which each item's are there
         bool upper_triangular = true;        // all F1 so far
+        std::int64_t common = 0;             // so many items, from the first on, have the same F1 and Q1
         double *transition, *noise;          // element e of item i at e * block_items + i
     };
 

@@ -38,21 +38,39 @@ struct Group {
     void next() noexcept { first += width; }
     bool has(int lane) const noexcept { return first + lane < items; }
     bool holds(int lane) const noexcept { return has(lane) && outcome[first + lane] == Outcome::done; }
+    bool holds_all() const noexcept {
+        if (!has(width - 1)) return false;
+        int failed = 0;
+        for (int lane = 0; lane < width; ++lane) failed |= static_cast<int>(outcome[first + lane]);
+        return failed == 0;
+    }
 };
+static_assert(static_cast<int>(Outcome::done) == 0);
 
-/// Count is at most that of `nothing`.
+/// Numbers of a record: mean and covariance.
+template <class N> constexpr auto numbers_of_record(N states) noexcept {
+    return lanes::plus(states, lanes::times(states, states));
+}
+
+/// Count is at most that of `nothing`. What is common to all items stands in the lanes without one, too.
 template <class Count> inline void load_items(const ItemsIn& from, const Group& group, Count count, Pack* to) noexcept {
+    if (from.stride == 0) {
+        for (int e = 0; e < count; ++e) to[e] = all(from.first[e]);
+        return;
+    }
+    const bool complete = group.holds_all();
     const double* item[width];
     for (int lane = 0; lane < width; ++lane)
-        item[lane] = group.holds(lane) ? from.first + (group.first + lane) * from.stride : nothing;
+        item[lane] = complete || group.holds(lane) ? from.first + (group.first + lane) * from.stride : nothing;
     lanes::load(item, count, to);
 }
 
 template <class Count>
 inline void store_items(const Pack* from, Count count, const Group& group, const ItemsOut& to) noexcept {
+    const bool complete = group.holds_all();
     double* item[width];
     for (int lane = 0; lane < width; ++lane)
-        item[lane] = group.holds(lane) ? to.first + (group.first + lane) * to.stride : nullptr;
+        item[lane] = complete || group.holds(lane) ? to.first + (group.first + lane) * to.stride : nullptr;
     lanes::store(from, count, item);
 }
 

@@ -216,9 +216,6 @@ template <class N> void spread_of(N size, const Spread& task) noexcept {
     leave_lanes();
 }
 
-template <int B, int D> Fixed<B * D> times(Fixed<B>, Fixed<D>) noexcept { return {}; }
-int times(int b, int d) noexcept { return b * d; }
-
 /// A state is a d x b array whose columns are the derivatives: F x is X F1'.
 template <class B, class D> void blocks_of(B derivatives, D axes, const FactorBlockStep& step) noexcept {
     const auto size = times(derivatives, axes);

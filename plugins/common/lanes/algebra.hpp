@@ -44,29 +44,41 @@ template <class N> inline void cholesky_semidefinite(N size, const Pack* a, Pack
     cholesky_columns(size, 0, size, a, l, failed);
 }
 
-/// Turns the rows of W (rows <= columns) into lower triangular form with a diagonal >= 0, by Householder reflections from the
-/// right: W W' stays what it was (Golub, Van Loan: Matrix Computations, 5.2). What was above the diagonal is left undefined.
+/// A Householder reflection that takes a row to (norm, 0, 0, ...), but for its sign: x becomes x - scale (x . v) v, v = (head, what
+/// stands behind it in the row), and the first element then changes by `sign` (Golub, Van Loan: Matrix Computations, 5.1).
+struct Reflection {
+    Pack head, scale, sign, norm;
+};
+
+/// That of row r of W (rows x columns) from column r on.
+template <class Rows, class Columns>
+inline Reflection reflection(Rows rows, int r, Columns columns, const Pack* w) noexcept {
+    const Pack head = w[r * rows + r];
+    Pack tail{};
+    for (int j = r + 1; j < columns; ++j) tail += w[j * rows + r] * w[j * rows + r];
+    // The reflection makes -norm of a positive head, without cancellation; the column's sign is changed then. A row that
+    // has its form already changes at most its sign.
+    const Mask bent = tail > 0.0, positive = head > 0.0;
+    const Pack norm = square_root(head * head + tail), sum = absolute(head) + norm;
+    return {bent ? (positive ? sum : -sum) : all(1.0),                     //
+            bent ? 1.0 / (norm * sum) : (head < 0.0 ? all(2.0) : Pack{}),  //
+            bent & positive ? all(-1.0) : all(1.0), bent ? norm : absolute(head)};
+}
+
+/// Turns the rows of W (rows <= columns) into lower triangular form with a diagonal >= 0, by reflections from the right: W W' stays
+/// what it was. What was above the diagonal is left undefined.
 template <class Rows, class Columns> inline void triangularise_rows(Rows rows_size, Columns columns, Pack* w) noexcept {
     const int rows = rows_size, cols = columns;
     for (int r = 0; r < rows; ++r) {
-        const Pack head = w[r * rows + r];
-        Pack tail{};
-        for (int j = r + 1; j < cols; ++j) tail += w[j * rows + r] * w[j * rows + r];
-        // The reflection makes -norm of a positive head, without cancellation; the column's sign is changed then. A row that
-        // has its form already changes at most its sign.
-        const Mask bent = tail > 0.0, positive = head > 0.0;
-        const Pack norm = square_root(head * head + tail), sum = absolute(head) + norm;
-        const Pack v = bent ? (positive ? sum : -sum) : all(1.0);
-        const Pack beta = bent ? 1.0 / (norm * sum) : (head < 0.0 ? all(2.0) : Pack{});
-        const Pack sign = bent & positive ? all(-1.0) : all(1.0);
+        const Reflection by = reflection(rows_size, r, columns, w);
         for (int i = r + 1; i < rows; ++i) {
-            Pack dot = w[r * rows + i] * v;
+            Pack dot = w[r * rows + i] * by.head;
             for (int j = r + 1; j < cols; ++j) dot += w[j * rows + i] * w[j * rows + r];
-            dot *= beta;
-            w[r * rows + i] = (w[r * rows + i] - dot * v) * sign;
+            dot *= by.scale;
+            w[r * rows + i] = (w[r * rows + i] - dot * by.head) * by.sign;
             for (int j = r + 1; j < cols; ++j) w[j * rows + i] -= dot * w[j * rows + r];
         }
-        w[r * rows + r] = bent ? norm : absolute(head);
+        w[r * rows + r] = by.norm;
     }
 }
 
@@ -87,19 +99,31 @@ inline void cholesky_solve(N size, Columns columns, const Pack* l, const Pack* i
     }
 }
 
-/// ln N(e; 0, L L') for a lower triangular L of positive diagonal, given 1 / its diagonal.
+/// L^-1 e for a lower triangular L, given 1 / its diagonal.
 template <class N>
-inline Pack log_normal(N size, const Pack* l, const Pack* inverse_diagonal, const Pack* e, Pack* scratch) noexcept {
+inline void whiten(N size, const Pack* l, const Pack* inverse_diagonal, const Pack* e, Pack* out) noexcept {
+    const int n = size;
+    for (int j = 0; j < n; ++j) {
+        Pack scaled = e[j];
+        for (int k = 0; k < j; ++k) scaled -= l[k * n + j] * out[k];
+        out[j] = scaled * inverse_diagonal[j];
+    }
+}
+
+/// ln N(e; 0, L L') for a lower triangular L of positive diagonal, given `whitened` = L^-1 e.
+template <class N> inline Pack log_normal(N size, const Pack* l, const Pack* whitened) noexcept {
     constexpr double log_two_pi = 1.8378770664093454836;
     const int n = size;
     Pack sum = all(0.5 * n * log_two_pi);
-    for (int j = 0; j < n; ++j) {
-        Pack scaled = e[j];
-        for (int k = 0; k < j; ++k) scaled -= l[k * n + j] * scratch[k];
-        scratch[j] = scaled * inverse_diagonal[j];
-        sum += logarithm(l[j * n + j]) + 0.5 * (scratch[j] * scratch[j]);
-    }
+    for (int j = 0; j < n; ++j) sum += logarithm(l[j * n + j]) + 0.5 * (whitened[j] * whitened[j]);
     return -sum;
+}
+
+/// The same, given 1 / the diagonal of L.
+template <class N>
+inline Pack log_normal(N size, const Pack* l, const Pack* inverse_diagonal, const Pack* e, Pack* scratch) noexcept {
+    whiten(size, l, inverse_diagonal, e, scratch);
+    return log_normal(size, l, scratch);
 }
 
 /// out = A A' for an n x columns A; both triangles.

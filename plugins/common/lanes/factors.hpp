@@ -126,6 +126,47 @@ inline void array_update(N states, M measured, Seen looked_at, Pack* s, Pack* no
     }
 }
 
+/// Where column j of [K S+] lies, as reflect_update leaves it.
+template <class N, class Seen>
+inline Pack* column_of_update(N states, Seen looked_at, Pack* s, Pack* more, int j) noexcept {
+    return j < looked_at ? s + j * states : more + (j - looked_at) * states;
+}
+
+/// The same with reflections in place of rotations, each of which takes a whole row: fewer operations and roots, for an S+ that
+/// need not be triangular.
+///
+///     [G N]     [Z 0 ]
+///     [S 0] U = [K S+]
+///
+/// W = [G N], m x (seen + m), becomes Z, in its first m columns. Of S, n x n, only the first `seen` columns take part, all
+/// of whose numbers must be there: these and `more`, n x m, become the m columns of K and the `seen` of S+ (column_of_update).
+template <class N, class M, class Seen>
+inline void reflect_update(N states, M measured, Seen looked_at, Pack* w, Pack* s, Pack* more) noexcept {
+    const int n = states, m = measured, seen = looked_at;
+    for (int r = 0; r < m; ++r) {
+        const int last =
+            seen + r;  // N is a triangle: the row has zeros from there on, and so far the columns of `more`
+        const Reflection by = reflection(m, r, last + 1, w);
+        for (int i = r + 1; i < m; ++i) {
+            Pack dot = w[r * m + i] * by.head;
+            for (int j = r + 1; j <= last; ++j) dot += w[j * m + i] * w[j * m + r];
+            dot *= by.scale;
+            w[r * m + i] = (w[r * m + i] - dot * by.head) * by.sign;
+            for (int j = r + 1; j <= last; ++j) w[j * m + i] -= dot * w[j * m + r];
+        }
+        Pack* const first = column_of_update(states, looked_at, s, more, r);
+        for (int i = 0; i < n; ++i) {
+            Pack dot = first[i] * by.head;
+            for (int j = r + 1; j < last; ++j) dot += column_of_update(states, looked_at, s, more, j)[i] * w[j * m + r];
+            dot *= by.scale;
+            first[i] = (first[i] - dot * by.head) * by.sign;
+            for (int j = r + 1; j < last; ++j) column_of_update(states, looked_at, s, more, j)[i] -= dot * w[j * m + r];
+            more[r * n + i] = -(dot * w[last * m + r]);
+        }
+        w[r * m + r] = by.norm;
+    }
+}
+
 }  // namespace PELORUS_LANES
 
 }  // namespace lanes

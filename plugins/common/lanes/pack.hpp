@@ -41,6 +41,10 @@ typedef std::uint64_t Bits __attribute__((vector_size(8 * width)));
 template <int N> struct Fixed {
     constexpr operator int() const noexcept { return N; }
 };
+template <int A, int B> constexpr Fixed<A + B> plus(Fixed<A>, Fixed<B>) noexcept { return {}; }
+template <int A, int B> constexpr Fixed<A * B> times(Fixed<A>, Fixed<B>) noexcept { return {}; }
+constexpr int plus(int a, int b) noexcept { return a + b; }
+constexpr int times(int a, int b) noexcept { return a * b; }
 
 inline Pack all(double number) noexcept { return Pack{} + number; }
 inline Pack absolute(Pack x) noexcept { return (Pack)((Bits)x & ~(std::uint64_t{1} << 63)); }
@@ -72,9 +76,17 @@ inline void leave_lanes() noexcept {
 inline Mask is_finite(Pack x) noexcept { return absolute(x) <= std::numeric_limits<double>::max(); }
 
 inline bool any(Mask mask) noexcept {
+#if defined(__AVX512F__)
+    return _mm512_test_epi64_mask((__m512i)mask, (__m512i)mask) != 0;
+#elif defined(__AVX2__)
+    return _mm256_movemask_pd((__m256d)mask) != 0;
+#elif defined(__SSE2__)
+    return _mm_movemask_pd((__m128d)mask) != 0;
+#else
     std::int64_t sum = 0;
     for (int lane = 0; lane < width; ++lane) sum |= mask[lane];
     return sum != 0;
+#endif
 }
 
 /// The natural logarithm of positive finite numbers, to less than 1 ulp. Other lanes hold some number.
@@ -104,17 +116,20 @@ inline Pack logarithm(Pack x) noexcept {
 
 namespace detail {
 
-/// Two rows' halves change places: of every 2 Step lanes, the upper ones of a and the lower ones of b.
+/// One round of a transposition of two rows: first the numbers of each pair of lanes change places, so that pairs of rows' elements
+/// lie beside each other; from then on pairs are dealt out, the even ones of both rows to a, the odd ones to b.
 template <int Step, int... Lane> inline void exchange(Pack& a, Pack& b, std::integer_sequence<int, Lane...>) noexcept {
-    const Mask low{((Lane & Step) == 0 ? Lane : width + Lane - Step)...};
-    const Mask high{((Lane & Step) == 0 ? Lane + Step : width + Lane)...};
+    constexpr bool apart = Step == 1;
+    const Mask low{(apart ? (Lane % 2 == 0 ? Lane : width + Lane - 1) : 2 * Lane - Lane % 2)...};
+    const Mask high{(apart ? (Lane % 2 == 0 ? Lane + 1 : width + Lane) : 2 * Lane - Lane % 2 + 2)...};
     const Pack first = __builtin_shuffle(a, b, low);
     b = __builtin_shuffle(a, b, high);
     a = first;
 }
 
-/// Element `lane` of row r becomes element r of row `lane`, by log2(width) rounds of exchanges (J. O. Eklundh, A fast computer
-/// method for matrix transposing, IEEE Transactions on Computers C-21, 801-803, 1972).
+/// Element `lane` of row r becomes element r of row `lane`, by log2(width) rounds of exchanges (after J. O. Eklundh, A fast computer
+/// method for matrix transposing, IEEE Transactions on Computers C-21, 801-803, 1972). Whole pairs are dealt out in place of
+/// halves that change places: processors have that as one operation without a register of lanes' numbers.
 template <int Step = 1> inline void transpose(Pack (&rows)[width]) noexcept {
     if constexpr (Step < width) {
         for (int r = 0; r < width; ++r) {

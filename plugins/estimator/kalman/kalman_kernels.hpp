@@ -21,6 +21,7 @@ using gaussian::Outcome;
 struct BlockStep {
     int derivatives, axes;  // b, d
     bool upper_triangular;  // F1 has zeros below its diagonal, for all items: these are left out
+    bool is_common;         // F1 and Q1 of the first item are those of all
     int items;
     const double* transition;  // element e of F1 of item i at e * block_items + i
     const double* noise;       // Q1, the same way

@@ -2,6 +2,7 @@
 // plugins/common/lanes/pack.hpp.
 #include "../../common/gaussian/groups.hpp"
 #include "kalman_kernels.hpp"
+#include "pair_lanes.hpp"
 
 namespace kalman {
 
@@ -172,34 +173,33 @@ void project_of(N states, M measured, K looked_at, const Projection& task) noexc
     leave_lanes();
 }
 
-/// What an update works with: the factors of P, R and S, and G = H L.
+/// What an update works with: the factors of P, and of S and S^-1/2 times the innovation.
 template <int most, int wide> struct Factors {
-    Pack l[most * most];
-    Pack noise[wide * wide];
-    Pack g[wide * most];
+    Pack l[most * most],
+        more[most * wide];         // of P; then the columns of K S^1/2 and of the updated P's, as reflect_update says
     Pack s[wide * (most + wide)];  // the first m columns
     Pack inverse[wide];            // of the diagonal of the factor of S
+    Pack whitened[wide];
 };
 
 template <class N, class M, class K, class F>
 void factorise(N states, M measured, K looked_at, const Update& task, const Group& group, const Pack* record,
                F& out) noexcept {
-    const int m = measured, seen = looked_at;
+    const int n = states, m = measured, seen = looked_at;
     constexpr int most = most_states<N>, wide = most_measured<M>;
     // What does not wait for each other stands side by side: the processor looks some hundred instructions ahead.
     Mask indefinite{}, noise_indefinite{};
     Pack r[wide * wide], h[wide * most];
-    load_items(task.noise, group, m * m, r);
-    load_items(task.jacobian, group, m * seen, h);
-    cholesky_semidefinite(measured, r, out.noise, noise_indefinite);
+    load_items(task.noise, group, times(measured, measured), r);
+    load_items(task.jacobian, group, times(measured, looked_at), h);
+    Pack* const noise = out.s + seen * m;
+    cholesky_semidefinite(measured, r, noise, noise_indefinite);
     cholesky_columns(states, 0, seen, record + states, out.l, indefinite);
-    multiply_lower(measured, looked_at, states, h, out.l, out.g);
+    for (int c = 1; c < seen; ++c)
+        for (int i = 0; i < c; ++i) out.l[c * n + i] = Pack{};
+    multiply_lower(measured, looked_at, states, h, out.l, out.s);
     cholesky_columns(states, seen, states, record + states, out.l, indefinite);
-
-    for (int e = 0; e < m * seen; ++e) out.s[e] = out.g[e];
-    for (int c = 0; c < m; ++c)
-        for (int i = 0; i < m; ++i) out.s[(seen + c) * m + i] = i >= c ? out.noise[c * m + i] : Pack{};
-    triangularise_rows(measured, seen + m, out.s);
+    reflect_update(states, measured, looked_at, out.s, out.l, out.more);
 
     Pack check{};
     Mask singular{};
@@ -215,46 +215,20 @@ void factorise(N states, M measured, K looked_at, const Update& task, const Grou
     note(group, singular, Outcome::innovation_singular, task.outcome);
 }
 
-/// The record after the update: mean + K innovation, and (L - K G)(L - K G)' + (K N)(K N)'.
+/// The record after the update: mean + K S^1/2 (S^-1/2 innovation), and the product of the columns that are left.
 template <class N, class M, class K, class F>
-void correct(N states, M measured, K looked_at, const F& by, const Pack* innovation, const Pack* from,
-             Pack* out) noexcept {
+void correct(N states, M measured, K looked_at, F& by, const Pack* from, Pack* out) noexcept {
     const int n = states, m = measured, seen = looked_at;
-    constexpr int most = most_states<N>, wide = most_measured<M>;
-    Pack weighted[wide * most], gain[most * wide];  // S^-1 G, K
-    for (int e = 0; e < m * seen; ++e) weighted[e] = by.g[e];
-    cholesky_solve(measured, looked_at, by.s, by.inverse, weighted);
-    for (int r = 0; r < m; ++r) {
-        for (int i = 0; i < n; ++i) {
-            Pack sum = by.l[i] * weighted[r];
-            for (int c = 1; c < seen && c <= i; ++c) sum += by.l[c * n + i] * weighted[c * m + r];
-            gain[r * n + i] = sum;
-        }
-    }
+    const auto column = [&](int j) { return column_of_update(states, looked_at, by.l, by.more, j); };
     for (int i = 0; i < n; ++i) {
-        Pack shift = gain[i] * innovation[0];
-        for (int r = 1; r < m; ++r) shift += gain[r * n + i] * innovation[r];
+        Pack shift = column(0)[i] * by.whitened[0];
+        for (int r = 1; r < m; ++r) shift += column(r)[i] * by.whitened[r];
         out[i] = from[i] + shift;
-    }
-    Pack factor[most * (most + wide)];  // the first `seen` columns of L - K G, and K N beside them
-    for (int c = 0; c < seen; ++c) {
-        for (int i = 0; i < n; ++i) {
-            Pack sum = gain[i] * by.g[c * m];
-            for (int r = 1; r < m; ++r) sum += gain[r * n + i] * by.g[c * m + r];
-            factor[c * n + i] = i < c ? -sum : by.l[c * n + i] - sum;
-        }
-    }
-    for (int c = 0; c < m; ++c) {
-        for (int i = 0; i < n; ++i) {
-            Pack sum = gain[c * n + i] * by.noise[c * m + c];
-            for (int r = c + 1; r < m; ++r) sum += gain[r * n + i] * by.noise[c * m + r];
-            factor[(seen + c) * n + i] = sum;
-        }
     }
     for (int j = 0; j < n; ++j) {
         for (int i = j; i < n; ++i) {
-            Pack sum = factor[i] * factor[j];
-            for (int c = 1; c < seen + m; ++c) sum += factor[c * n + i] * factor[c * n + j];
+            Pack sum = column(m)[i] * column(m)[j];
+            for (int c = m + 1; c < seen + m; ++c) sum += column(c)[i] * column(c)[j];
             for (int c = seen; c <= j; ++c) sum += by.l[c * n + i] * by.l[c * n + j];
             out[n + j * n + i] = out[n + i * n + j] = sum;
         }
@@ -267,20 +241,19 @@ template <class N, class M, class K> void update_of(N states, M measured, K look
     for (Group group{task.outcome, task.items}; group.is_left(); group.next()) {
         Pack from[most + most * most], out[most + most * most], innovation[wide];
         Factors<most, wide> factors;
-        load_items(task.record, group, n + n * n, from);
+        load_items(task.record, group, numbers_of_record(states), from);
         load_items(task.innovation, group, measured, innovation);
         factorise(states, measured, looked_at, task, group, from, factors);
-        correct(states, measured, looked_at, factors, innovation, from, out);
+        whiten(measured, factors.s, factors.inverse, innovation, factors.whitened);
+        Pack log_likelihood{};
+        if (task.log_likelihood.first != nullptr) log_likelihood = log_normal(measured, factors.s, factors.whitened);
+        correct(states, measured, looked_at, factors, from, out);
         // No element of a covariance is larger than those of its diagonal.
         Pack check{};
         for (int i = 0; i < n; ++i) check += 0.0 * out[i] + 0.0 * out[n + i * n + i];
         note(group, ~(check == 0.0), Outcome::not_finite, task.outcome);
-        store_items(out, n + n * n, group, task.out);
-        if (task.log_likelihood.first != nullptr) {
-            Pack scaled[wide];
-            const Pack told = log_normal(measured, factors.s, factors.inverse, innovation, scaled);
-            store_items(&told, Fixed<1>{}, group, task.log_likelihood);
-        }
+        store_items(out, numbers_of_record(states), group, task.out);
+        if (task.log_likelihood.first != nullptr) store_items(&log_likelihood, Fixed<1>{}, group, task.log_likelihood);
         if (task.innovation_covariance.first != nullptr) {
             Pack s[wide * wide];
             gram(measured, measured, factors.s, s);
@@ -294,7 +267,9 @@ template <class N, class M, class K> void update_of(N states, M measured, K look
 
 template <int B, int D> BlockKernel fixed_blocks() noexcept {
     return [](const BlockStep& step) {
-        if (step.upper_triangular)
+        if (B == 2 && step.upper_triangular && step.is_common)
+            predict_pairs<D>(step);
+        else if (step.upper_triangular)
             predict_blocks_of<Fixed<B>, Fixed<D>, true>({}, {}, step);
         else
             predict_blocks_of<Fixed<B>, Fixed<D>, false>({}, {}, step);

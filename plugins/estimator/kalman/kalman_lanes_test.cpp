@@ -282,8 +282,8 @@ TEST_CASE("predictions over lanes are F P F' + Q, by blocks and by full matrices
                         std::copy_n(&q1_lanes[static_cast<std::size_t>(e * block_items + first)], items,
                                     &own_q[static_cast<std::size_t>(e * block_items)]);
                     }
-                    by.by_blocks(b, d)({b, d, as_triangular, items, own_f.data(), own_q.data(), scene.record.in(first),
-                                        out.record.out(first), out.outcome.data() + first});
+                    by.by_blocks(b, d)({b, d, as_triangular, false, items, own_f.data(), own_q.data(),
+                                        scene.record.in(first), out.record.out(first), out.outcome.data() + first});
                 });
             };
             Told told = blocks(upper);
@@ -327,5 +327,56 @@ TEST_CASE("one transition for all items gives the bytes of one for each, zeros o
             });
         };
         CHECK(predicted(true) == predicted(false));
+    }
+}
+
+TEST_CASE("one F1 and Q1 for all items gives the bytes of one for each", "[kalman]") {
+    for (const int d : {2, 3}) {
+        for (const bool in_place : {false, true}) {
+            CAPTURE(d, in_place);
+            const int n = 2 * d;
+            Scene scene(n, 1, 1);
+            const double f1[] = {0.9, 0.0, 0.4, 1.1}, q1[] = {0.3, 0.2, 0.2, 0.5};
+            Numbers f_lanes(4 * block_items), q_lanes(4 * block_items);
+            for (std::size_t e = 0; e < f_lanes.size(); ++e) {
+                f_lanes[e] = f1[e / block_items];
+                q_lanes[e] = q1[e / block_items];
+            }
+            scene.record.matrix(1, 0, n, 1)(n - 1) = std::numeric_limits<double>::infinity();
+            scene.record.matrix(3, n, n, n)(n - 1, n - 1) = std::nan("");
+            scene.record.matrix(5, n, n, n).setZero();
+            scene.record.matrix(5, 0, n, 1).setConstant(-0.0);
+            scene.record.matrix(7, 0, n, 1).setConstant(1e308);  // each finite after the step, their sum is not
+            scene.record.matrix(7, d, d, 1).setConstant(1e300);
+            const auto predicted = [&](bool is_common) {
+                return agreed(n, 1, [&](const Kernels& by, int first, int items, Told& out) {
+                    const auto offset = static_cast<std::ptrdiff_t>(first * scene.record.stride);
+                    if (in_place)
+                        std::copy_n(scene.record.numbers.begin() + offset, items * scene.record.stride,
+                                    out.record.numbers.begin() + offset);
+                    out.outcome[11] = Outcome::covariance_indefinite;
+                    by.by_blocks(2, d)({2, d, true, is_common, items, f_lanes.data(), q_lanes.data(),
+                                        in_place ? out.record.in(first) : scene.record.in(first), out.record.out(first),
+                                        out.outcome.data() + first});
+                });
+            };
+            Told told = predicted(true);
+            CHECK(told == predicted(false));
+            for (const int i : {1, 3}) CHECK(told.outcome[static_cast<std::size_t>(i)] == Outcome::not_finite);
+            CHECK(told.outcome[11] == Outcome::covariance_indefinite);
+            for (const int i : {1, 3, 11}) {
+                const auto left = told.record.matrix(i, 0, n + n * n, 1);
+                if (in_place)
+                    CHECK(std::memcmp(left.data(), scene.record.matrix(i, 0, n + n * n, 1).data(),
+                                      static_cast<std::size_t>(n + n * n) * sizeof(double)) == 0);
+                else
+                    CHECK((left.array() == untouched).all());
+            }
+            for (const int i : {0, 5, 7, 15}) {
+                CHECK(told.outcome[static_cast<std::size_t>(i)] == Outcome::done);
+                const MatrixXd after = told.record.matrix(i, n, n, n);
+                CHECK(after == after.transpose());
+            }
+        }
     }
 }

@@ -36,9 +36,9 @@ plr_status Kalman::predict_by_blocks(const plr_call& call, const plr_estimator_p
     return in_blocks(call, args.out.count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         ask_for_blocks(block, slice(args.dt, first, items), blocks);
         Outcomes outcomes = still_good(block, items);
-        by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, static_cast<int>(items),
-                           blocks.transition, blocks.noise, items_of(args.record, first), items_of(args.out, first),
-                           outcomes.data()});
+        by_blocks_(items)({structure_->block, structure_->dimension, blocks.upper_triangular, blocks.common >= items,
+                           static_cast<int>(items), blocks.transition, blocks.noise, items_of(args.record, first),
+                           items_of(args.out, first), outcomes.data()});
         return settled(block, items, outcomes);
     });
 }
@@ -177,6 +177,8 @@ plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args
     const std::int64_t count = args.out.count, m = by.m;
     check_update(args, m);
     const Scratch scratch(call, block_size * (2 * m + m * n_ + look_doubles(by)));
+    const bool is_all =
+        angles_.empty() && motion_record_ == 0 && args.innovation.data == nullptr;  // that a kernel tells
     return in_blocks(call, count, [&](const plr_call& block, std::int64_t first, std::int64_t items) {
         const plr_const_view records = slice(args.record, first, items);
         double* const memory = scratch.data();
@@ -195,6 +197,7 @@ plr_status Kalman::update(const plr_call& call, const plr_estimator_update& args
                                     items_of(as_const(compare.out), 0), items_of(args.out, first),
                                     items_of(args.log_likelihood, first), items_of(args.innovation_covariance, first),
                                     outcomes.data()});
+        if (is_all && gaussian::all_done(outcomes, items)) return static_cast<plr_status>(PLR_OK);
         return for_good_items(block, items, [&](std::int64_t i) {
             require(outcomes[static_cast<std::size_t>(i)]);
             double* const out = at(args.out, first + i);

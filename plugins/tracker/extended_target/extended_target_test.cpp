@@ -191,6 +191,32 @@ TEST_CASE("extended target: the sensor's own noise serves scans without covarian
     CHECK(told.told().back().extent == silent.told().back().extent);
 }
 
+TEST_CASE("extended target: a measurement whose noise the sensor cannot tell is left out", "[extended_target]") {
+    const std::string radar = "{noise: [1 m, 0.5 mrad, 0.5 mrad], snr: 10}";
+    Tracking run("{update: feldmann}", "{}", "spherical", radar), clean("{update: feldmann}", "{}", "spherical", radar);
+    const auto sensor = part(run.bench, "sensor", "spherical", radar);
+    const pelorus::Space space(*sensor->table<plr_sensor>().info(sensor->self())->measurement);
+    const auto scan_without_noise = [&](Tracking& to, int k, bool with_ninth) {
+        pelorus::ScanBuilder scan("radar", "", space);
+        for (int i = 0; i < (with_ninth ? 9 : 8); ++i) {
+            const double measured[] = {2000 + 3.0 * (i % 3), 0.1 + 1e-3 * i, 0.2 + 1e-3 * (i % 4)};
+            scan.add(static_cast<std::uint64_t>(100 * k + i + 1), measured);
+            scan.set_snr(i == 8 ? 0.0 : 20.0);  // no power ratio: the sensor refuses it
+        }
+        to.tracker.receive(0, scan.message(k * second));
+    };
+    for (int k = 0; k < 6; ++k) {
+        scan_without_noise(run, k, true);
+        scan_without_noise(clean, k, false);
+    }
+    REQUIRE(!run.told().empty());
+    CHECK(run.bench.counters["points_not_converted"] == 6);
+    CHECK(clean.bench.counters["points_not_converted"] == 0);
+    CHECK(run.told().back().mean == clean.told().back().mean);
+    CHECK(run.told().back().extent == clean.told().back().extent);
+    CHECK(run.told().back().measurements.size() == 8);
+}
+
 TEST_CASE("extended target: two scans of one time make two updates of one prediction", "[extended_target]") {
     Tracking run;
     for (int k = 0; k < 5; ++k) run.scan(k);

@@ -8,7 +8,8 @@ namespace {
 void describe_association(pelorus::Describe<GroupTracker>& plugin) {
     plugin.parameter("threshold", &Parameters::threshold)
         .unit("m")
-        .above(0)
+        .min(1e-9)
+        .max(1e15)
         .doc(
             "distance that joins two points to one group, handed to the partitioner's input `threshold`; absent: the "
             "partitioner's own");

@@ -189,6 +189,17 @@ TEST_CASE("tracker.group wants a partitioner that takes its threshold", "[tracke
                                       "input `threshold`"));
 }
 
+TEST_CASE("tracker.group takes the thresholds that partitions by distance take", "[tracker.group]") {
+    const auto rig = [](const std::string& threshold) {
+        Rig("{maximum_speed: 100 m/s, threshold: " + threshold + "}", &Rig::about_predictions());
+    };
+    for (const std::string threshold : {"0 m", "-1 m", "1e-10 m", "1e16 m", ".inf m", ".nan m"})
+        CHECK_THROWS_WITH(rig(threshold), Catch::Contains("threshold") && !Catch::Contains("has no input"));
+    // What is within the bounds meets this partitioner, which has no such input.
+    for (const std::string threshold : {"1e-9 m", "50 m", "1e15 m"})
+        CHECK_THROWS_WITH(rig(threshold), Catch::Contains("has no input `threshold`"));
+}
+
 TEST_CASE("tracker.group takes a scan of the time of the last one, and starts nothing from it", "[tracker.group]") {
     Rig rig;
     fly(rig, 0, 2);
