@@ -175,16 +175,18 @@ pelorus::Space RigidRegistration::track_space() const {
     return pelorus::kinematic_space(3, std::vector<double>(static_cast<std::size_t>(derivatives_) + 1, 0.0));
 }
 
-Motion RigidRegistration::motion_from(const char* frame) const {
+Motion RigidRegistration::motion_from(const char* frame, std::int64_t time) const {
     Motion out;
     if (is_given()) return given_;
     if (frame_ == frame) return out;
     if (frames_ == nullptr) throw pelorus::UnsupportedError("this host has no service " PLR_SERVICE_FRAMES);
     plr_error error{};
     error.struct_size = sizeof error;
-    const plr_status status = frames_->transform(frames_->context, frame, frame_.c_str(), out.rotation.data(),
-                                                 out.translation.data(), &error);
+    auto pose = pelorus::arguments<plr_frame_pose>();
+    const plr_status status = frames_->transform(frames_->context, frame, frame_.c_str(), time, &pose, &error);
     if (status != PLR_OK) throw pelorus::Failure(status, error.message);
+    out.rotation = Eigen::Map<const Matrix<3>>(pose.rotation);
+    out.translation = Eigen::Map<const Vector<3>>(pose.translation);
     return out;
 }
 
@@ -213,7 +215,7 @@ void RigidRegistration::on_scan(const pelorus::Event& event, const plr_scan& sca
         return send(event.time, out);
     }
     const SensorMove& move = found->second;
-    const Motion motion = motion_from(scan.frame);
+    const Motion motion = motion_from(scan.frame, event.time);
     if (move.is_of_plane()) check_plane(motion, found->first);
     const SensorMove::Moved moved = move(scan, event.time, motion, covariance_, caller_);
     const std::vector<bool>& good = moved.is_good;
@@ -243,7 +245,7 @@ void RigidRegistration::on_scan(const pelorus::Event& event, const plr_scan& sca
 }
 
 void RigidRegistration::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
-    const Motion motion = motion_from(tracks.frame);
+    const Motion motion = motion_from(tracks.frame, event.time);
     const pelorus::Space space = track_space(), theirs(*tracks.space);
     const Eigen::Index c = space.size();
     const auto places = places_of(space, theirs);

@@ -36,7 +36,7 @@ private:
     pelorus::Space track_space() const;
     void find_sensors(const pelorus::Setup& setup);
     /// From the axes of `frame` into this node's.
-    Motion motion_from(const char* frame) const;
+    Motion motion_from(const char* frame, std::int64_t time) const;
     void check_plane(const Motion& motion, const std::string& sensor) const;
     void send(std::int64_t time, const plr_scan& scan);
     void send(std::int64_t time, const plr_tracks& tracks);
