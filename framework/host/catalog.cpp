@@ -119,12 +119,23 @@ const PluginFile* Catalog::find(const std::string& id) const noexcept {
 
 namespace {
 
-/// What was perhaps meant: a near id, else one that ends in the same name (`singer` for `motion.singer`).
+std::string last_word(const std::string& id) { return id.substr(id.rfind('.') + 1); }
+
+/// `sensor.bearing` of `org.example.sensor.bearing`.
+std::string last_two_words(const std::string& id) {
+    const std::size_t dot = id.rfind('.');
+    if (dot == std::string::npos || dot == 0) return id;
+    const std::size_t before = id.rfind('.', dot - 1);
+    return before == std::string::npos ? id : id.substr(before + 1);
+}
+
+/// What was perhaps meant: a near id, else one that ends in the same name (`singer` for `motion.singer`). Ids that have no more in
+/// common than a long beginning (`org.example.sensor.`) are not near.
 std::string likely(const std::string& id, const std::vector<std::string>& ids) {
     std::string near = nearest(id, ids);
+    if (!near.empty() && nearest(last_two_words(id), {last_two_words(near)}).empty()) near.clear();
     for (const std::string& candidate : ids)
-        if (near.empty() && candidate.substr(candidate.rfind('.') + 1) == id.substr(id.rfind('.') + 1))
-            near = candidate;
+        if (near.empty() && last_word(candidate) == last_word(id)) near = candidate;
     return near;
 }
 

@@ -115,6 +115,13 @@ TEST_CASE("An unknown id is answered with what was searched and the nearest id",
     }
 }
 
+TEST_CASE("An id that has only a long beginning in common with another is not taken for it", "[host]") {
+    Catalog catalog = catalog_of("spy");
+    CHECK(error_of([&] { catalog.load("org.example.motion.drag"); }).find("did you mean") == std::string::npos);
+    CHECK(error_of([&] { catalog.load("org.example.motion.spi"); }).find("(did you mean org.example.motion.spy?)") !=
+          std::string::npos);
+}
+
 TEST_CASE("Another ABI or draft is refused before any code of the plugin runs", "[host]") {
     const std::string abi = load_error_before_any_code("other_abi", "motion.other_abi");
     CHECK_THAT(abi, Contains("plugin motion.other_abi speaks ABI 99, this host " + std::to_string(PLR_ABI_MAJOR) +
