@@ -139,6 +139,13 @@ std::string likely(const std::string& id, const std::vector<std::string>& ids) {
     return near;
 }
 
+/// Whether a guess is near enough to go on with: parameters of another plugin must not be held against it. An id that has an owner
+/// (`org.example.`) does not stand for one that has none.
+bool is_sure(const std::string& id, const std::string& guess) {
+    const auto dots = [](const std::string& text) { return std::count(text.begin(), text.end(), '.'); };
+    return dots(id) <= dots(guess) && !nearest(last_word(id), {last_word(guess)}).empty();
+}
+
 /// Where nothing is near: what there is of the kind that the id begins with, if that is little.
 std::string others_of_kind(const std::string& id, const std::vector<PluginFile>& plugins) {
     constexpr std::size_t few = 12;
@@ -166,7 +173,7 @@ const PluginFile& Catalog::require(const std::string& id) const {
         throw UnknownPlugin(
             "no plugin " + id + (meant.empty() ? others_of_kind(id, plugins_) : " (did you mean " + meant + "?)") +
                 "; searched " + folder_names(folders_) + "; more folders: --plugins DIR or PELORUS_PLUGIN_PATH",
-            meant);
+            is_sure(id, meant) ? meant : std::string());
     }
     const auto clash = clashes_.find(id);
     if (clash != clashes_.end())
