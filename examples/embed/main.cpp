@@ -18,7 +18,11 @@ void print(const plr_tracks& tracks, std::int64_t time) {
                     pelorus::number(tracks.mean, i, 1));
 }
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+    if (count != 2) {
+        std::fprintf(stderr, "usage: embed CONFIG\n");
+        return 2;
+    }
     auto pipeline = pelorus::Pipeline::open(arguments[1]);
     if (!pipeline) return fail(pipeline.status());
     auto tracks = pipeline->subscribe("tracker.tracks");

@@ -114,7 +114,8 @@ private:
         const Value* value = part.find(key);
         if (value == nullptr || is_taken_away(*value)) return nullptr;
         if (value->is_map()) return value;
-        problems_.add(value->where, address + "." + key + ": expected a map, got " + value->described());
+        const std::string like = key == "in" ? " such as {PORT: NODE.PORT}" : "";
+        problems_.add(value->where, address + "." + key + ": expected a map" + like + ", got " + value->described());
         return nullptr;
     }
 

@@ -119,13 +119,31 @@ const PluginFile* Catalog::find(const std::string& id) const noexcept {
 
 namespace {
 
-/// What was perhaps meant: a near id, else one that ends in the same name (`singer` for `motion.singer`).
+std::string last_word(const std::string& id) { return id.substr(id.rfind('.') + 1); }
+
+/// `sensor.bearing` of `org.example.sensor.bearing`.
+std::string last_two_words(const std::string& id) {
+    const std::size_t dot = id.rfind('.');
+    if (dot == std::string::npos || dot == 0) return id;
+    const std::size_t before = id.rfind('.', dot - 1);
+    return before == std::string::npos ? id : id.substr(before + 1);
+}
+
+/// What was perhaps meant: a near id, else one that ends in the same name (`singer` for `motion.singer`). Ids that have no more in
+/// common than a long beginning (`org.example.sensor.`) are not near.
 std::string likely(const std::string& id, const std::vector<std::string>& ids) {
     std::string near = nearest(id, ids);
+    if (!near.empty() && nearest(last_two_words(id), {last_two_words(near)}).empty()) near.clear();
     for (const std::string& candidate : ids)
-        if (near.empty() && candidate.substr(candidate.rfind('.') + 1) == id.substr(id.rfind('.') + 1))
-            near = candidate;
+        if (near.empty() && last_word(candidate) == last_word(id)) near = candidate;
     return near;
+}
+
+/// Whether a guess is near enough to go on with: parameters of another plugin must not be held against it. An id that has an owner
+/// (`org.example.`) does not stand for one that has none.
+bool is_sure(const std::string& id, const std::string& guess) {
+    const auto dots = [](const std::string& text) { return std::count(text.begin(), text.end(), '.'); };
+    return dots(id) <= dots(guess) && !nearest(last_word(id), {last_word(guess)}).empty();
 }
 
 /// Where nothing is near: what there is of the kind that the id begins with, if that is little.
@@ -155,7 +173,7 @@ const PluginFile& Catalog::require(const std::string& id) const {
         throw UnknownPlugin(
             "no plugin " + id + (meant.empty() ? others_of_kind(id, plugins_) : " (did you mean " + meant + "?)") +
                 "; searched " + folder_names(folders_) + "; more folders: --plugins DIR or PELORUS_PLUGIN_PATH",
-            meant);
+            is_sure(id, meant) ? meant : std::string());
     }
     const auto clash = clashes_.find(id);
     if (clash != clashes_.end())

@@ -45,7 +45,7 @@ struct LoadedPlugin {
 class UnknownPlugin : public Error {
 public:
     UnknownPlugin(const std::string& line, std::string meant) : Error(Exit::misuse, line), meant_(std::move(meant)) {}
-    /// The id that was perhaps meant, or "".
+    /// The id that was surely meant, or "". The line suggests ids that are less near, too.
     const std::string& meant() const noexcept { return meant_; }
 
 private:

@@ -76,7 +76,14 @@ const Figure passed = {"clock.passed", 100, 100};
 
 // The plugins are not instrumented, whatever the host is.
 TEST_CASE("new motion: builds out of tree and runs", "[release-only]") { check_kind("motion", tracked); }
-TEST_CASE("new sensor: builds out of tree and runs", "[release-only]") { check_kind("sensor", tracked); }
+TEST_CASE("new sensor: builds out of tree and runs", "[release-only]") {
+    const ProjectBuild project = check_kind("sensor", tracked);
+    // What is sampled is not among the levels that are tried unless asked for.
+    const Ended sampled = pelorus_command({"conform", (project.plugins() / "mine.so").string(), "--level=5", "--quiet",
+                                           "--only=sensor-inverse-is-consistent", "--only=sensor-inverse-is-unbiased"});
+    CAPTURE(sampled.out, sampled.err);
+    CHECK(sampled.exit == 0);
+}
 TEST_CASE("new estimator: builds out of tree and runs", "[release-only]") { check_kind("estimator", tracked); }
 TEST_CASE("new extent: builds out of tree and runs", "[release-only]") {
     check_kind("extent", {"shape.major_axis_error", 0.01, 1});

@@ -76,7 +76,7 @@ TEST_CASE("Edges that lead nowhere, or carry something else, are refused togethe
   j: {use: fusion.join, in: {scans: []}}
   k: {use: registration.pass, in: {scans: {a: scans}}}
   l: {use: registration.pass, in: a.scans}
-)")) == "test.yaml:14:35: l.in: expected a map, got 'a.scans'\n"
+)")) == "test.yaml:14:35: l.in: expected a map such as {PORT: NODE.PORT}, got 'a.scans'\n"
         "test.yaml:3:31: a.in: source.plain has no in port 'comands'; did you mean 'commands'? in ports: commands\n"
         "test.yaml:4:43: b.in.scans: expected scan, but a.truth carries truth\n"
         "test.yaml:5:43: c.in.scans: source.plain has no out port 'scan'; did you mean 'scans'? out ports: scans, "

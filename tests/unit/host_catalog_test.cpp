@@ -115,6 +115,29 @@ TEST_CASE("An unknown id is answered with what was searched and the nearest id",
     }
 }
 
+TEST_CASE("An id that has only a long beginning in common with another is not taken for it", "[host]") {
+    Catalog catalog = catalog_of("spy");
+    CHECK(error_of([&] { catalog.load("org.example.motion.drag"); }).find("did you mean") == std::string::npos);
+    CHECK(error_of([&] { catalog.load("org.example.motion.spi"); }).find("(did you mean org.example.motion.spy?)") !=
+          std::string::npos);
+}
+
+TEST_CASE("A guess is gone on with only where the name itself is near", "[host]") {
+    Catalog catalog = catalog_of("good");
+    const auto meant = [&](const std::string& id) {
+        try {
+            catalog.load(id);
+        } catch (const UnknownPlugin& refused) {
+            return refused.meant();
+        }
+        return std::string("found");
+    };
+    CHECK(meant("motion.goods") == "motion.good");
+    CHECK(meant("good") == "motion.good");
+    CHECK(meant("motion.flat").empty());
+    CHECK(meant("org.example.motion.good").empty());
+}
+
 TEST_CASE("Another ABI or table is refused before any code of the plugin runs", "[host]") {
     const std::string abi = load_error_before_any_code("other_abi", "motion.other_abi");
     CHECK_THAT(abi, Contains("plugin motion.other_abi speaks ABI 99, this host " + std::to_string(PLR_ABI_MAJOR) +
