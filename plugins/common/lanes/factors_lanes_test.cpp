@@ -191,6 +191,43 @@ TEST_CASE("the array form of an update over lanes is the textbook's", "[lanes]")
     }
 }
 
+TEST_CASE("reflections over lanes make of an update what the textbook does", "[lanes]") {
+    struct Sizes {
+        int n, m, seen;
+    };
+    for (const Sizes size : {Sizes{6, 3, 6}, {6, 3, 3}, {9, 2, 2}, {5, 4, 3}, {3, 3, 1}, {1, 1, 1}}) {
+        const auto [n, m, seen] = size;
+        CAPTURE(n, m, seen);
+        std::mt19937_64 engine(4);
+        std::vector<MatrixXd> factors, arrays;
+        for (int i = 0; i < items; ++i) {
+            factors.push_back(random_factor(n, engine));
+            MatrixXd array(m, seen + m);
+            array << random_matrix(m, seen, engine) * factors.back().topLeftCorner(seen, seen),
+                random_factor(m, engine);
+            arrays.push_back(array);
+        }
+        const Numbers s = packed(factors);
+        Numbers w = packed(arrays), out(static_cast<std::size_t>(items * n * (seen + m)));
+        agreed({&w, &out}, [&](const Algebra& algebra, int first, int some) {
+            algebra.reflect(n, m, seen, some, s.data() + first * n * n, w.data() + first * m * (seen + m),
+                            out.data() + first * n * (seen + m));
+        });
+        for (int i = 0; i < items; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            const MatrixXd g = arrays[at].leftCols(seen), before = factors[at].leftCols(seen);
+            const MatrixXd covariance = arrays[at] * arrays[at].transpose(), cross = before * g.transpose();
+            const MatrixXd root = item(w, i, m, seen + m).leftCols(m).triangularView<Eigen::Lower>();
+            const MatrixXd columns = item(out, i, n, seen + m), after = columns.rightCols(seen);
+            const MatrixXd expected = before * before.transpose() - cross * covariance.inverse() * cross.transpose();
+            CHECK(root.diagonal().minCoeff() >= 0.0);
+            CHECK((root * root.transpose() - covariance).norm() < 1e-12 * covariance.norm());
+            CHECK((columns.leftCols(m) * root.transpose() - cross).norm() < 1e-12 * (1.0 + cross.norm()));
+            CHECK((after * after.transpose() - expected).norm() < 1e-12 * (1.0 + before.squaredNorm()));
+        }
+    }
+}
+
 TEST_CASE("an update over lanes keeps 1 m beside 1e12 m, and takes measurements without noise", "[lanes]") {
     for (const Algebra* const algebra : supported()) {
         MatrixXd s = 1e12 * MatrixXd::Identity(4, 4), z = MatrixXd::Identity(2, 2), k(4, 2);

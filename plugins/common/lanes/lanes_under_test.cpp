@@ -117,6 +117,20 @@ void update(int size, int m, int seen, int items, double* s, double* z, const do
     store_items(gain, size * m, items, k);
 }
 
+void reflect(int size, int m, int seen, int items, const double* s, double* w, double* out) noexcept {
+    Pack factor[most], array[most], columns[most];
+    load_items(size * size, items, s, factor);
+    load_items(m * (seen + m), items, w, array);
+    sized(size, [&](auto n) {
+        Pack more[most];
+        reflect_update(n, m, seen, array, factor, more);
+        for (int j = 0; j < seen + m; ++j)
+            for (int i = 0; i < size; ++i) columns[j * size + i] = column_of_update(n, seen, factor, more, j)[i];
+    });
+    store_items(array, m * (seen + m), items, w);
+    store_items(columns, size * (seen + m), items, out);
+}
+
 void angles(int items, const double* y, const double* x, double* out) noexcept {
     Pack up[1], right[1];
     load_items(1, items, y, up);
@@ -142,8 +156,8 @@ void logarithms(int items, const double* x, double* out) noexcept {
 }  // namespace
 
 extern const Algebra algebra;
-const Algebra algebra{width,   &copy,      &cholesky, &triangularise, &solve, &log_density, &square,
-                      &append, &take_away, &update,   &angles,        &wrap,  &logarithms};
+const Algebra algebra{width,   &copy,      &cholesky, &triangularise, &solve,  &log_density, &square,
+                      &append, &take_away, &update,   &reflect,       &angles, &wrap,        &logarithms};
 
 }  // namespace PELORUS_LANES
 

@@ -22,6 +22,8 @@ struct Algebra {
     void (*downdate)(int n, int items, double* l, const double* u, bool* failed);
     /// The array form of an update of n states by m measurements that see the first `seen`; s and z are replaced.
     void (*update)(int n, int m, int seen, int items, double* s, double* z, const double* g, double* k);
+    /// The same by reflections: w = [G N], m x (seen + m), is replaced; out gets its columns [K S+], n x (seen + m).
+    void (*reflect)(int n, int m, int seen, int items, const double* s, double* w, double* out);
     /// The angles of vectors, and angles wrapped.
     void (*arc_tangent)(int items, const double* y, const double* x, double* out);
     void (*wrap)(int items, const double* x, double* out);

@@ -17,7 +17,8 @@ void Kalman::describe(pelorus::Describe<Kalman>& plugin) {
         .source(
             "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering "
             "82, 35-45, 1960; R. S. Bucy, P. D. Joseph, Filtering for Stochastic Processes with Applications to "
-            "Guidance, Wiley 1968 (the form of the update); Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with "
+            "Guidance, Wiley 1968 (the form of the update); T. Kailath, A. H. Sayed, B. Hassibi, Linear Estimation, "
+            "Prentice Hall 2000, 12.3 (its array); Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with "
             "Applications to Tracking and Navigation, Wiley 2001, 10.3 (extended); B. M. Bell, F. W. Cathey, The "
             "iterated Kalman filter update as a Gauss-Newton method, IEEE Transactions on Automatic Control 38(2), "
             "294-297, 1993; N. A. Carlson, Fast triangular formulation of the square root filter, AIAA Journal 11(9), "

@@ -51,10 +51,11 @@ struct Projection {
 
 /// The update, in Joseph's form from factors.
 ///
-/// With P = L L', R = N N' and G = H L, the factor of S = G G' + R is the triangle of [G N], so that S itself, in which a
-/// small R beside a large P would be lost, is never formed; K = L G' S^-1. The only Cholesky factorisations are those of P
-/// and R, which accept singular matrices. Where H sees only the leading components, G has no other columns, and the others
-/// of L - K G are those of L.
+/// With P = L L', R = N N' and G = H L, reflections take [G N; L 0] to [Z 0; T L+] (lanes::reflect_update): Z is the factor of
+/// S = G G' + R, so that S itself, in which a small R beside a large P would be lost, is never formed; K = T Z^-1; and L+ L+',
+/// a sum of squares, is the updated P, which is (L - K G)(L - K G)' + (K N)(K N)'. The only Cholesky factorisations are those of P and
+/// R, which accept singular matrices. Where H sees only the leading components, G has no other columns, and the others of
+/// L stay as they are.
 struct Update {
     int states, measured, seen, items;
     ItemsIn record, jacobian, noise, innovation;

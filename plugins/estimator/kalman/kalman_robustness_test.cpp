@@ -1,5 +1,6 @@
 // The filter where numbers, items or parts are difficult.
 #include "../../../tests/support/estimator_under_test.hpp"
+#include "kalman_kernels.hpp"
 
 #include <catch2/catch.hpp>
 #include <pelorus/motion.hpp>
@@ -309,4 +310,36 @@ TEST_CASE("too little scratch memory is told, not overrun", "[kalman]") {
     const double dt = 1.0;
     CHECK(f.filter.predict(call, pelorus::const_view(&dt, 1, 1, 1), record, record) == PLR_E_SCRATCH);
     CHECK(f.filter.info().scratch_bytes < 200000);
+}
+
+TEST_CASE("Kalman filter: a sum and a difference tell both of two states, however little one of them was known",
+          "[kalman]") {
+    // P = diag(p, 1) and R = I, H = [1 1; 1 -1]: P+ = (P^-1 + H' H)^-1 = diag(1 / (2 + 1/p), 1/3).
+    using namespace kalman;
+    const double jacobian[] = {1, 1, 1, -1}, noise[] = {1, 0, 0, 1}, innovation[] = {0, 0};
+    for (const lanes::InstructionSet set : lanes::instruction_sets) {
+        if (!lanes::is_supported(set)) continue;
+        for (const double p : {1.0, 1e6, 1e12, 1e18, 1e24}) {
+            CAPTURE(static_cast<int>(set), p);
+            const double record[] = {0, 0, p, 0, 0, 1};
+            double out[6], likelihood = 0.0;
+            Outcome outcome = Outcome::done;
+            kernels(set).measurement(2, 2, 2).update({2,
+                                                      2,
+                                                      2,
+                                                      1,
+                                                      {record, 6},
+                                                      {jacobian, 0},
+                                                      {noise, 0},
+                                                      {innovation, 2},
+                                                      {out, 6},
+                                                      {&likelihood, 1},
+                                                      {nullptr, 0},
+                                                      &outcome});
+            REQUIRE(outcome == Outcome::done);
+            CHECK(out[2] == Approx(1 / (2 + 1 / p)).epsilon(1e-11));
+            CHECK(out[5] == Approx(1.0 / 3).epsilon(1e-14));
+            CHECK(std::fabs(out[3]) < 1e-11);
+        }
+    }
 }
