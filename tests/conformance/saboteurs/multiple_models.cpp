@@ -3,6 +3,7 @@
 
 #include "../../../plugins/estimator/imm/imm.cpp"
 #include "../../../plugins/estimator/imm/imm_step.cpp"
+#include "../../../plugins/estimator/imm/joined_space.cpp"
 #include "defect.h"
 
 namespace {
