@@ -116,8 +116,8 @@ void RigidRegistration::find_sensors(const pelorus::Setup& setup) {
                                                             measured.text() + ", it is told as " + move.space().text());
         if (move.is_of_plane() && is_given()) check_plane(given_, sensor.name());
         scratch = std::max(scratch, move.scratch_bytes());
-        moved_[sensor.name()] = move;
-        measured_[sensor.name()] = measured;
+        moved_.emplace(sensor.name(), move);
+        measured_.emplace(sensor.name(), measured);
     }
     for (const auto& sensor : setup.parts<pelorus::SensorPart>("local")) {
         if (sensor.name().empty()) throw pelorus::PartError("local", "has a part without a name; scans are told by it");
