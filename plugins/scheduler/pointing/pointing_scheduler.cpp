@@ -153,7 +153,7 @@ std::vector<Place> PointingScheduler::pattern(const Prediction& prediction) cons
     return search_pattern(field_, prediction.spread, sigmas_, static_cast<double>(lock_.passes) * step / 2);
 }
 
-void PointingScheduler::on_values(const pelorus::Event&, const plr_values& values) {
+void PointingScheduler::on_values(const pelorus::Event& event, const plr_values& values) {
     const std::string name = filter_.sensors()[static_cast<std::size_t>(sensor_)].name();
     const char* at = reinterpret_cast<const char*>(values.quantities);
     for (std::uint32_t i = 0; i < values.count; ++i) {
@@ -168,6 +168,9 @@ void PointingScheduler::on_values(const pelorus::Event&, const plr_values& value
         seen_at_.push_back({quantity.valid_from, {angles(0, 0), in_plane() ? 0.0 : angles(1, 0)}});
         if (seen_at_.size() > most_pointings) seen_at_.erase(seen_at_.begin());
     }
+    // Where its frames fail to come it is kept on the target all the same.
+    const std::int64_t step = this->step();
+    if (target_ && (!last_look_ || event.time > *last_look_ + step + step / 2)) command(event.arrival, event.time);
 }
 
 std::optional<sensing::Direction> PointingScheduler::looked_at(std::int64_t time) const {
@@ -227,7 +230,7 @@ bool PointingScheduler::is_hit(const Prediction& prediction, const plr_scan& sca
 
 /// Points at where the search is now, about where the target will be at the next look.
 void PointingScheduler::command(std::int64_t arrival, std::int64_t stamp) {
-    const std::int64_t step = period_ ? std::llround(*period_ * 1e9) : spacing_.value_or(0);
+    const std::int64_t step = this->step();
     std::int64_t look = std::max(stamp, arrival);
     if (step > 0) {
         const std::int64_t last = last_look_.value_or(look);
