@@ -11,37 +11,15 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <pelorus/messages.hpp>
 #include <pelorus/sensor.hpp>
 
+#include "../../common/sensing/direction.hpp"
 #include "sensor_values.hpp"
 
 namespace simulation {
 
-/// A direction: azimuth from +x to +y, elevation from the x-y plane up (rad).
-struct Direction {
-    double azimuth = 0, elevation = 0;
-
-    pelorus::Vector<3> unit() const {
-        return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
-    }
-    static Direction of(const pelorus::Vector<3>& way) {
-        return {std::atan2(way(1), way(0)), std::atan2(way(2), std::hypot(way(0), way(1)))};
-    }
-    template <class Archive> void state(Archive& archive) { archive(azimuth, elevation); }
-};
-
-/// The direction that is reached from one to the other after `angle` (rad) along the great circle between them.
-inline Direction turned(const Direction& from, const Direction& to, double angle) {
-    const pelorus::Vector<3> u = from.unit(), v = to.unit();
-    const double sine = u.cross(v).norm(), between = std::atan2(sine, u.dot(v));
-    if (angle >= between) return to;
-    if (sine < 1e-12)  // straight behind: by way of growing azimuths
-        return Direction::of(std::cos(angle) * u +
-                             std::sin(angle) * pelorus::Vector<3>(-std::sin(from.azimuth), std::cos(from.azimuth), 0));
-    return Direction::of((std::sin(between - angle) * u + std::sin(angle) * v) / sine);
-}
+using sensing::Direction;
 
 class SensorView {
 public:
@@ -102,7 +80,7 @@ public:
             const std::int64_t next = k + 1 < commands_.size() ? commands_[k + 1].from : time;
             const std::int64_t end = std::min({time, next, command.to});
             if (end > begin)
-                at_ = turned(at_, command.direction, slew_rate_ * (static_cast<double>(end - begin) * 1e-9));
+                at_ = sensing::turned(at_, command.direction, slew_rate_ * (static_cast<double>(end - begin) * 1e-9));
         }
         now_ = std::max(now_, time);
         while (commands_.size() > 1 && commands_[1].from <= now_) commands_.erase(commands_.begin());
@@ -114,15 +92,9 @@ public:
         Direction seen{measurement[azimuth_], 0};
         if (in_plane()) return std::fabs(pelorus::wrap_angle(seen.azimuth - at_.azimuth)) <= field_[0] / 2;
         seen.elevation = elevation_ >= 0 ? measurement[elevation_] : std::acos(0.0) - measurement[zenith_];
-        const pelorus::Vector<3> way = seen.unit();
-        if (field_.size() == 1) return std::atan2(way.cross(at_.unit()).norm(), way.dot(at_.unit())) <= field_[0] / 2;
-        // Along the view's own axes: forward, to the left, up.
-        const double c = std::cos(at_.azimuth), s = std::sin(at_.azimuth), level = c * way(0) + s * way(1),
-                     forward = std::cos(at_.elevation) * level + std::sin(at_.elevation) * way(2),
-                     left = c * way(1) - s * way(0),
-                     up = std::cos(at_.elevation) * way(2) - std::sin(at_.elevation) * level;
-        return std::fabs(std::atan2(left, forward)) <= field_[0] / 2 &&
-               std::fabs(std::atan2(up, forward)) <= field_[1] / 2;
+        if (field_.size() == 1) return sensing::angle_between(seen, at_) <= field_[0] / 2;
+        const sensing::Offset off = sensing::offset_in_view(at_, seen);
+        return std::fabs(off.left) <= field_[0] / 2 && std::fabs(off.up) <= field_[1] / 2;
     }
 
     template <class Archive> void state(Archive& archive) { archive(at_, now_, commands_); }
