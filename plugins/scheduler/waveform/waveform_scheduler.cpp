@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "../../common/one_track/told_record.hpp"
+
 namespace waveform_scheduler {
 
 void WaveformScheduler::describe(pelorus::Describe<WaveformScheduler>& plugin) {
@@ -120,7 +122,7 @@ void WaveformScheduler::on_tracks(const pelorus::Event& event, const plr_tracks&
     const std::int64_t from = tracks.times[entry], look = event.time + step;
     one_track::At now{look, tracks.ids[entry], key_};
     if (random_ != nullptr) now.key = random_->derive(key_, PLR_STREAM_PARTICLES, choices_.size(), now.id);
-    one_track::Record record = record_of(tracks, entry);
+    one_track::Record record = one_track::told_record(filter_, tracks, entry, key_);
     if (look > from) filter_.predict(now, static_cast<double>(look - from) * 1e-9, record);
     const Eigen::VectorXd chosen = choose(step, now, std::move(record));
     choices_.push_back(static_cast<double>(look) * 1e-9);
@@ -143,26 +145,6 @@ std::int64_t WaveformScheduler::chosen_track(const plr_tracks& tracks) const {
         largest = variance;
     }
     return best;
-}
-
-/// The tracker's own record where it is told; else one made of the moments, which lacks what a filter remembers besides.
-one_track::Record WaveformScheduler::record_of(const plr_tracks& tracks, std::int64_t entry) {
-    if (tracks.records.data == nullptr) {
-        std::vector<std::int32_t> all;
-        for (int c = 0; c < filter_.cartesian().size(); ++c) all.push_back(c);
-        return filter_.init({tracks.times[entry], tracks.ids[entry], key_}, all,
-                            {pelorus::item(tracks.mean, entry), pelorus::item(tracks.covariance, entry)});
-    }
-    const std::string theirs = tracks.record_of == nullptr ? "?" : tracks.record_of, ours = filter_.estimator().id();
-    if (theirs != ours || tracks.record_version != filter_.record_version() ||
-        tracks.records.rows != static_cast<std::int64_t>(filter_.record_size()))
-        throw pelorus::DataError("the tracks' records are of " + theirs + ", version " +
-                                 std::to_string(tracks.record_version) + ", " + std::to_string(tracks.records.rows) +
-                                 " numbers; this scheduler's estimator is " + ours + ", version " +
-                                 std::to_string(filter_.record_version()) + ", " +
-                                 std::to_string(filter_.record_size()) + " numbers: write it like: tracker.estimator");
-    const Eigen::MatrixXd record = pelorus::item(tracks.records, entry);
-    return {record.data(), record.data() + record.size()};
 }
 
 Eigen::VectorXd WaveformScheduler::choose(std::int64_t step, one_track::At now, one_track::Record record) {

@@ -40,7 +40,6 @@ private:
     std::size_t columns() const { return width() + 2; }
     /// The entry to look after, or -1.
     std::int64_t chosen_track(const plr_tracks& tracks) const;
-    one_track::Record record_of(const plr_tracks& tracks, std::int64_t entry);
     void see_look(std::int64_t time);
     /// The waveform, then the criterion.
     Eigen::VectorXd choose(std::int64_t step, one_track::At now, one_track::Record record);

@@ -29,7 +29,33 @@ struct SensorValues {
     double clock_offset = 0, jitter = 0;                // s
     std::optional<std::vector<double>> outage;          // s: from, to, from, to, ...
     double delay = 0, delay_spread = 0;                 // s
+
+    // Where it looks; absent: everywhere.
+    std::optional<std::vector<double>> field_of_view, pointing;  // rad
+    std::optional<double> slew_rate;                             // rad/s
 };
+
+/// Where it looks.
+template <class Plugin> void describe_view(pelorus::Describe<Plugin>& plugin) {
+    plugin.slot_parameter("field_of_view", &SensorValues::field_of_view)
+        .unit("rad")
+        .rows(1, 2)
+        .above(0)
+        .doc(
+            "full angle of a cone, or full angles across azimuth and elevation of a window, outside of which it "
+            "detects "
+            "nothing; absent: it sees everything");
+    plugin.slot_parameter("pointing", &SensorValues::pointing)
+        .unit("rad")
+        .rows(1, 2)
+        .doc(
+            "azimuth and elevation (azimuth alone in the plane), along its own axes, of the middle of the field at the "
+            "start; absent: 0");
+    plugin.slot_parameter("slew_rate", &SensorValues::slew_rate)
+        .unit("rad/s")
+        .above(0)
+        .doc("how fast commands `pointing` turn the field, along great circles; absent: at once");
+}
 
 /// How it stands, and what its clock and its line do.
 template <class Plugin> void describe_field_values(pelorus::Describe<Plugin>& plugin) {
@@ -127,6 +153,7 @@ template <class Plugin> void describe_sensors(pelorus::Describe<Plugin>& plugin)
         .doc(
             "scans tell positions: measurements converted without a correction for the bend of angles, covariances "
             "A R A' with A = d position / d measurement there");
+    describe_view(plugin);
     describe_field_values(plugin);
 }
 

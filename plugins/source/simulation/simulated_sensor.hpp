@@ -17,6 +17,7 @@
 #include "draws.hpp"
 #include "sensor_errors.hpp"
 #include "sensor_timing.hpp"
+#include "sensor_view.hpp"
 #include "site.hpp"
 #include "target.hpp"
 
@@ -35,6 +36,7 @@ public:
           measurement_(*part.info().measurement),
           cartesian_(*part.info().cartesian),
           timing_(values, part.name()),
+          view_(values, measurement_, part.name()),
           number_(number_of(part.name())) {
         if (measurement_.size() > max_components)
             throw pelorus::PartError("sensors", "sensor " + name() + " measures " +
@@ -50,6 +52,8 @@ public:
 
     std::string name() const { return part_.name(); }
     const SensorTiming& timing() const noexcept { return timing_; }
+    const SensorView& view() const noexcept { return view_; }
+    void look_at(std::int64_t time) { view_.move(time); }
     /// Tells its model how it really stands and measures.
     void tell_errors(pelorus::Caller& caller) const {
         if (values_.attitude_error) tell_error(caller, part_, "attitude_error", *values_.attitude_error);
@@ -79,9 +83,13 @@ public:
 
     /// Takes a command; false: it is not for this sensor. Throws DataError where it is one that cannot be obeyed.
     bool take(const plr_quantity& quantity) {
-        const std::string address = quantity.address;
-        if ((address != name() && address != "sensors." + name()) || std::string(quantity.name) != "waveform")
-            return false;
+        const std::string address = quantity.address, what = quantity.name;
+        if (address != name() && address != "sensors." + name()) return false;
+        if (what == "pointing") {
+            view_.take(quantity);
+            return true;
+        }
+        if (what != "waveform") return false;
         if (waveform_.size() == 0)
             throw pelorus::DataError("sensor " + name() + " has no waveform that could be commanded");
         const plr_const_view& v = quantity.numbers;
@@ -152,7 +160,7 @@ public:
     }
 
     template <class Archive> void state(Archive& archive) {
-        archive(command_);
+        archive(command_, view_);
         if constexpr (Archive::reading)
             if (command_ && command_->parameters.size() != static_cast<std::size_t>(waveform_.size()))
                 throw pelorus::DataError("the saved waveform of sensor " + name() + " is of another size");
@@ -256,42 +264,77 @@ private:
         return out;
     }
 
-    /// Measures points of one object and appends them: all in one call, noise = chol(R) times unit normals; none where the points
-    /// are `measured` already.
+    /// Measures points of one object and appends those in view: noise = chol(R) times unit normals; none where the points are
+    /// `measured` already.
     void add(pelorus::Caller& caller, const Draws& draws, std::int64_t time, const Place& place,
-             const std::vector<double>& points, const std::vector<std::size_t>& numbers, bool measured,
-             std::uint64_t& next_id, bool with_covariance, pelorus::ScanBuilder& scan,
-             std::vector<std::uint64_t>* origins) const {
+             std::vector<double> points, std::vector<std::size_t> numbers, bool measured, std::uint64_t& next_id,
+             bool with_covariance, pelorus::ScanBuilder& scan, std::vector<std::uint64_t>* origins) const {
         if (numbers.empty()) return;
-        const std::int64_t m = measurement_.size(), c = cartesian_.size(),
-                           n = static_cast<std::int64_t>(numbers.size());
-        std::vector<double> exact(static_cast<std::size_t>(m * n)), noise(static_cast<std::size_t>(m * m * n));
-        std::vector<double> seen = points;
-        if (site_) site_->to_site(seen);
-        auto measure = pelorus::arguments<plr_sensor_measure>();
-        measure.cartesian = pelorus::const_view(seen.data(), c, n, 1);
-        measure.out = pelorus::view(exact.data(), m, n, 1);
-        caller.require(part_.call(&plr_sensor::measure, caller.begin(time, 1), measure),
-                       "sensor " + name() + ", measure");
-        auto spread = pelorus::arguments<plr_sensor_noise>();
-        spread.cartesian = pelorus::const_view(seen.data(), c, 1, n);
-        if (const double* waveform = waveform_at(time))
-            spread.waveform = pelorus::common_view(waveform, waveform_.size(), 1, n);
-        spread.out = pelorus::view(noise.data(), m, m, n);
-        caller.require(part_.call(&plr_sensor::noise, caller.begin(time, n), spread), "sensor " + name() + ", noise");
-        const auto size = static_cast<std::size_t>(m);
+        if (site_) site_->to_site(points);
+        std::vector<double> exact = measurements(caller, time, points);
+        keep_in_view(numbers, points, exact);
+        if (numbers.empty()) return;
+        std::vector<double> noise = noises(caller, time, points);
+        const auto size = static_cast<std::size_t>(measurement_.size());
         for (std::size_t k = 0; k < numbers.size() && !measured; ++k) {
             const std::vector<double> unit = values_.shared_error
                                                  ? draws.normals(PLR_STREAM_NOISE, {number_, 0, place.tick, 0}, 0, size)
                                                  : draws.normals(PLR_STREAM_NOISE, place, numbers[k] * size, size);
             disturb(exact.data() + k * size, noise.data() + k * size * size, unit);
         }
-        if (conversion_) conversion_->convert(caller, time, exact, noise, n);
+        if (conversion_) conversion_->convert(caller, time, exact, noise, static_cast<std::int64_t>(numbers.size()));
         if (site_) site_->to_scene(exact, noise);
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             if (origins != nullptr) origins->push_back(next_id);
             scan.add(next_id++, exact.data() + k * size, with_covariance ? noise.data() + k * size * size : nullptr);
         }
+    }
+
+    /// Of points (c each), without noise: m each.
+    std::vector<double> measurements(pelorus::Caller& caller, std::int64_t time,
+                                     const std::vector<double>& points) const {
+        const std::int64_t m = measurement_.size(), c = cartesian_.size(),
+                           n = static_cast<std::int64_t>(points.size()) / c;
+        std::vector<double> exact(static_cast<std::size_t>(m * n));
+        auto measure = pelorus::arguments<plr_sensor_measure>();
+        measure.cartesian = pelorus::const_view(points.data(), c, n, 1);
+        measure.out = pelorus::view(exact.data(), m, n, 1);
+        caller.require(part_.call(&plr_sensor::measure, caller.begin(time, 1), measure),
+                       "sensor " + name() + ", measure");
+        return exact;
+    }
+
+    /// Covariances of the measurements of points (c each), with the waveform in force: m x m each.
+    std::vector<double> noises(pelorus::Caller& caller, std::int64_t time, const std::vector<double>& points) const {
+        const std::int64_t m = measurement_.size(), c = cartesian_.size(),
+                           n = static_cast<std::int64_t>(points.size()) / c;
+        std::vector<double> noise(static_cast<std::size_t>(m * m * n));
+        auto spread = pelorus::arguments<plr_sensor_noise>();
+        spread.cartesian = pelorus::const_view(points.data(), c, 1, n);
+        if (const double* waveform = waveform_at(time))
+            spread.waveform = pelorus::common_view(waveform, waveform_.size(), 1, n);
+        spread.out = pelorus::view(noise.data(), m, m, n);
+        caller.require(part_.call(&plr_sensor::noise, caller.begin(time, n), spread), "sensor " + name() + ", noise");
+        return noise;
+    }
+
+    void keep_in_view(std::vector<std::size_t>& numbers, std::vector<double>& points,
+                      std::vector<double>& exact) const {
+        if (!view_.is_limited()) return;
+        const auto m = static_cast<std::size_t>(measurement_.size()), c = static_cast<std::size_t>(cartesian_.size());
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+            if (!view_.sees(exact.data() + k * m)) continue;
+            numbers[kept] = numbers[k];
+            std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(k * c), c,
+                        points.begin() + static_cast<std::ptrdiff_t>(kept * c));
+            std::copy_n(exact.begin() + static_cast<std::ptrdiff_t>(k * m), m,
+                        exact.begin() + static_cast<std::ptrdiff_t>(kept * m));
+            ++kept;
+        }
+        numbers.resize(kept);
+        points.resize(kept * c);
+        exact.resize(kept * m);
     }
 
     void disturb(double* value, const double* covariance, const std::vector<double>& unit) const {
@@ -313,6 +356,7 @@ private:
     std::optional<Conversion> conversion_;
     std::optional<Site> site_;  ///< where it is not the scene's origin
     SensorTiming timing_;
+    SensorView view_;
     std::uint64_t number_;
     std::vector<int> axis_components_;  ///< where position.x, y, z stand among what it looks at, or -1
     std::vector<std::size_t> box_components_;

@@ -18,7 +18,7 @@ namespace simulation {
 class Simulation : public pelorus::Stage<Simulation> {
 public:
     static constexpr const char* kind = "source";
-    static constexpr std::uint32_t scans_port = 0, truth_port = 1;
+    static constexpr std::uint32_t scans_port = 0, truth_port = 1, pointing_port = 2;
 
     static void describe(pelorus::Describe<Simulation>& plugin) {
         plugin.title("Simulation")
@@ -31,7 +31,10 @@ public:
             .equation("z = h(p + e) + chol(R) u; e ~ N(0, X) for the points of an extent, u standard normal");
         plugin.out_port("scans", PLR_MESSAGE_SCAN, "what the sensors measure, one scan a sensor and tick");
         plugin.out_port("truth", PLR_MESSAGE_TRUTH, "what really is, at every tick, before the scans of that tick");
-        plugin.in_port("commands", PLR_MESSAGE_VALUES, "waveforms for sensors, values of the models' inputs",
+        plugin.out_port("pointing", PLR_MESSAGE_VALUES,
+                        "where sensors with a field of view look, before each of their scans");
+        plugin.in_port("commands", PLR_MESSAGE_VALUES,
+                       "waveforms and pointings for sensors, values of the models' inputs",
                        PLR_PORT_OPTIONAL | PLR_PORT_MANY);
         plugin.parameter("period", &Simulation::period_).unit("s").initially("1 s").above(0).doc("from tick to tick");
         plugin.parameter("scans", &Simulation::scans_).min(1).doc("number of ticks, k = 0 included; or give duration");
@@ -89,6 +92,7 @@ public:
     std::vector<pelorus::Stream> out_streams(std::uint32_t port) const {
         std::vector<pelorus::Stream> streams;
         if (port == truth_port) return {{"", false, space_, false, frame_, false, false}};
+        if (port == pointing_port) return {};
         for (const SimulatedSensor& sensor : sensors_)
             streams.push_back({sensor.name(), false, sensor.told(), false, frame_, false, false});
         return streams;
@@ -129,6 +133,7 @@ public:
         for (std::size_t s = 0; s < sensors_.size(); ++s)
             if (scan(s, time, objects, origins)) due.push_back(s);
         tell_truth(time, objects, origins);
+        tell_pointing(time);
         for (const std::size_t s : due) send(s, time);
         if (++event_ % block == 0) events_.times(ticks_, block, times_);
     }
@@ -240,6 +245,7 @@ private:
         SimulatedSensor& sensor = sensors_[s];
         if (!events_.is_due(s, ticks_, time)) return false;
         const std::uint64_t tick = ticks_[s]++;
+        sensor.look_at(time);
         if (sensor.is_lost(draws_, tick, time)) return false;
         pelorus::ScanBuilder& builder = builders_[s];
         builder.clear();
@@ -252,6 +258,22 @@ private:
         }
         sensor.add_clutter(caller_, draws_, time, tick, middle(objects), next_id_, covariances_, builder);
         return true;
+    }
+
+    /// Where the sensors that look at this time do so, as the encoders of their mounts would tell: also of scans that are lost.
+    void tell_pointing(std::int64_t time) {
+        pelorus::ValuesBuilder told;
+        bool is_any = false;
+        for (std::size_t s = 0; s < sensors_.size(); ++s) {
+            const SensorView& view = sensors_[s].view();
+            if (!view.is_limited() || !view.was_moved(time)) continue;
+            const std::vector<double> angles = view.pointing();
+            told.add(sensors_[s].name(), "pointing", "rad",
+                     Eigen::Map<const Eigen::VectorXd>(angles.data(), static_cast<Eigen::Index>(angles.size())), time,
+                     time);
+            is_any = true;
+        }
+        if (is_any) publish(pointing_port, told.message(time));
     }
 
     /// Publishes the scan that sensor s has just measured, stamped by its clock, for when it arrives.
