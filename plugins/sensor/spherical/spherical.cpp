@@ -45,6 +45,7 @@ struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
     static constexpr std::uint32_t flags = sensing::mounted_flags | PLR_SENSOR_CAN_INVERT;
 
     Angle angle = Angle::elevation;
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;
 
     static void describe(pelorus::Describe<Spherical>& plugin);
 
@@ -56,7 +57,7 @@ struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
     Measurement measure(const Cartesian& x, const Look& look) const;
     Jacobian jacobian(const Cartesian& x, const Look& look) const;
     Inverse converted(const Measurement& z, const Noise& noise) const {
-        const spherical::Converted point = sensing::unbiased(z, noise, angle);
+        const auto point = sensing::unbiased(z, noise, angle, moments);
         return {point.mean, point.covariance};
     }
 
@@ -178,6 +179,7 @@ void Spherical::describe(pelorus::Describe<Spherical>& plugin) {
             "Transactions on Aerospace and Electronic Systems 34(3), 1023-1027, 1998; S. Bordonaro, P. Willett, Y. "
             "Bar-Shalom, Decorrelated unbiased converted measurement Kalman filter, ibid. 50(2), 1431-1444, 2014");
     sensing::describe_angle(plugin, &Spherical::angle);
+    sensing::describe_moments(plugin, &Spherical::moments);
     describe_common(plugin, "m, rad, rad", "[10 m, 1 mrad, 1 mrad]", "range, azimuth and elevation or zenith");
 }
 
