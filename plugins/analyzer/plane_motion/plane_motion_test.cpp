@@ -193,6 +193,32 @@ TEST_CASE("plane motion: measurements are converted by their sensor", "[plane_mo
     CHECK(table.scalars[3].value == Approx(answers.at("crit05").get<double>()).epsilon(1e-6));
 }
 
+TEST_CASE("plane motion: without covariances a sensor's noise is that at the place measured", "[plane_motion]") {
+    Bench bench;
+    const auto sensor = std::make_shared<const Instance>(bench, installed("sensor.spherical"),
+                                                         "{noise: [50 m, 1 mrad, 1 mrad], reference_range: 50 km}");
+    const pelorus::Space space(
+        {{"range", "m", 0, 0, false}, {"azimuth", "rad", 0, 0, true}, {"elevation", "rad", 0, 0, true}});
+    std::vector<double> statistics;
+    for (const bool is_told : {false, true}) {
+        StageUnderTest analyzer(bench, plugin_of<PlaneAnalyzer>("analyzer.plane_motion"), "{windows: [[0 s, 20 s]]}",
+                                std::vector<Instance::Part>{{"sensors", "", sensor}});
+        for (std::int64_t k = 0; k < 20; ++k) {
+            const double t = static_cast<double>(k);
+            const double z[] = {60e3 + 500 * t, 0.5 + 0.02 * t * t / 20, 0.2 + 0.01 * std::cos(t)};
+            const Eigen::Matrix3d noise = Eigen::Vector3d(2500, 1e-6, 1e-6).asDiagonal();
+            const Eigen::Matrix3d there = std::pow(z[0] / 50e3, 4) * noise;
+            pelorus::ScanBuilder scan("anything", "", space);
+            scan.add(static_cast<std::uint64_t>(k) + 1, z, is_told ? there.data() : nullptr);
+            analyzer.receive(0, scan.message(k * second));
+        }
+        analyzer.finish(20 * second);
+        statistics.push_back(bench.published.back().table().scalars[2].value);
+    }
+    CHECK(statistics[0] > 0);
+    CHECK(statistics[0] == Approx(statistics[1]).epsilon(1e-9));
+}
+
 TEST_CASE("plane motion: belated measurements find their place", "[plane_motion]") {
     Show one("{windows: [[0 s, 20 s]]}"), other("{windows: [[0 s, 20 s]]}");
     one.circle(0, 30);
