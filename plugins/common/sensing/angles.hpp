@@ -1,9 +1,11 @@
-/// Range and two angles, the second one counted up from the plane or down from the vertical, as sensors choose.
+/// Range and angles as sensors choose: whether the second angle is counted up from the plane or down from the vertical, and which
+/// covariance a converted point has.
 #pragma once
 
 #include <pelorus/describe.hpp>
 #include <pelorus/failure.hpp>
 #include <pelorus/space.hpp>
+#include <pelorus/unbiased_conversion.hpp>
 
 #include "spherical_model.hpp"
 
@@ -17,6 +19,15 @@ template <class Plugin, class Base> void describe_angle(pelorus::Describe<Plugin
         .choices({{"elevation", "from the sensor's x-y plane up, in -pi/2 .. pi/2"},
                   {"zenith", "from the sensor's z axis down, in 0 .. pi"}})
         .doc("which angle is measured besides azimuth");
+}
+
+template <class Plugin, class Base>
+void describe_moments(pelorus::Describe<Plugin>& plugin, pelorus::ConversionMoments Base::*moments) {
+    plugin.parameter("moments", moments)
+        .initially("exact")
+        .choices({{"exact", "of the converted point about a given true place"},
+                  {"nested", "of the true place about the converted point, given the measurement (Mo et al.)"}})
+        .doc("which second moments the covariance of a measurement that is converted to a point holds");
 }
 
 inline pelorus::Component range_component() { return {"range", "m", 0.0, 0.0, false}; }
@@ -48,14 +59,14 @@ inline pelorus::Matrix<3> slope(const pelorus::Vector<3>& p, Angle angle) {
     return out;
 }
 
-/// The point of a measurement (range, azimuth, angle) along the sensor's axes; see spherical::unbiased.
-inline spherical::Converted unbiased(const pelorus::Vector<3>& measurement, const pelorus::Matrix<3>& noise,
-                                     Angle angle) {
-    if (angle == Angle::elevation) return spherical::unbiased(measurement, noise);
+/// The point of a measurement (range, azimuth, angle) along the sensor's axes; see pelorus::unbiased_point.
+inline pelorus::ConvertedPoint<3> unbiased(const pelorus::Vector<3>& measurement, const pelorus::Matrix<3>& noise,
+                                           Angle angle, pelorus::ConversionMoments moments) {
+    if (angle == Angle::elevation) return pelorus::unbiased_point(measurement, noise, moments);
     const pelorus::Vector<3> z(measurement(0), measurement(1), spherical::half_pi - measurement(2));
     pelorus::Matrix<3> errors = noise;
     for (const int other : {0, 1}) errors(2, other) = errors(other, 2) = -noise(2, other);
-    return spherical::unbiased(z, errors);
+    return pelorus::unbiased_point(z, errors, moments);
 }
 
 }  // namespace sensing

@@ -6,8 +6,6 @@
 #include <pelorus/failure.hpp>
 #include <pelorus/matrix.hpp>
 
-#include "spherical_model.hpp"
-
 namespace polar {
 
 using pelorus::Matrix;
@@ -24,20 +22,6 @@ inline Matrix<2> jacobian(const Vector<2>& p) {
     Matrix<2> out;
     out << p(0) / range, p(1) / range, -p(1) / range / range, p(0) / range / range;
     return out;
-}
-
-struct Converted {
-    Vector<2> mean;
-    Matrix<2> covariance;
-};
-
-/// The unbiased point of a measurement (range, azimuth) with normal errors, and the second moments of its error: the spherical
-/// conversion (see spherical_model.hpp) in the plane of elevation 0.
-inline Converted unbiased(const Vector<2>& z, const Matrix<2>& noise) {
-    Matrix<3> errors = Matrix<3>::Zero();
-    errors.topLeftCorner<2, 2>() = noise;
-    const spherical::Converted in_space = spherical::unbiased({z(0), z(1), 0.0}, errors);
-    return {in_space.mean.head<2>(), in_space.covariance.topLeftCorner<2, 2>()};
 }
 
 }  // namespace polar

@@ -8,6 +8,8 @@ namespace {
 struct Polar : sensing::MountedSensor<Polar, 2, 2> {
     static constexpr std::uint32_t flags = sensing::mounted_flags | PLR_SENSOR_CAN_INVERT;
 
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;
+
     static void describe(pelorus::Describe<Polar>& plugin) {
         plugin.title("Range and azimuth")
             .purpose(
@@ -21,6 +23,7 @@ struct Polar : sensing::MountedSensor<Polar, 2, 2> {
                 "for tracking, IEEE Transactions on Aerospace and Electronic Systems 34(3), 1023-1027, 1998; S. "
                 "Bordonaro, P. Willett, Y. Bar-Shalom, Decorrelated unbiased converted measurement Kalman filter, "
                 "ibid. 50(2), 1431-1444, 2014");
+        sensing::describe_moments(plugin, &Polar::moments);
         describe_common(plugin, "m, rad", "[10 m, 1 mrad]", "range and azimuth");
     }
 
@@ -30,7 +33,7 @@ struct Polar : sensing::MountedSensor<Polar, 2, 2> {
     Measurement seen(const Cartesian& local) const { return polar::from_cartesian(local); }
     Jacobian slope(const Cartesian& local) const { return polar::jacobian(local); }
     Inverse converted(const Measurement& z, const Noise& errors) const {
-        const polar::Converted point = polar::unbiased(z, errors);
+        const auto point = pelorus::unbiased_point(z, errors, moments);
         return {point.mean, point.covariance};
     }
 };

@@ -2,6 +2,8 @@
 #include "../../../tests/support/sensor_checks.hpp"
 #include "../../common/sensing/polar_model.hpp"
 
+#include <pelorus/unbiased_conversion.hpp>
+
 using namespace test_support;
 
 TEST_CASE("polar measurement agrees with the reference library", "[sensor]") {
@@ -32,7 +34,7 @@ TEST_CASE("unbiased polar conversion has the moments of normal angles", "[sensor
     const double s2 = 0.01;
     Eigen::Matrix2d noise;
     noise << 4.0, 0.0, 0.0, s2;
-    const polar::Converted found = polar::unbiased({100.0, 0.0}, noise);
+    const auto found = pelorus::unbiased_point(Eigen::Vector2d(100.0, 0.0), noise);
     CHECK(found.mean(0) == Approx(100.0 * std::exp(s2 / 2.0)));
     CHECK(found.mean(1) == 0.0);
     CHECK(found.covariance(0, 0) == Approx(std::exp(s2) * 10004.0 * (1.0 + std::exp(-2.0 * s2)) / 2.0 - 1e4));

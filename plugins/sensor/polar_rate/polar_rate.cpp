@@ -11,6 +11,8 @@ using pelorus::Vector;
 struct PolarRate : sensing::MountedSensor<PolarRate, 3, 2, true> {
     static constexpr std::uint32_t flags = sensing::mounted_flags | PLR_SENSOR_CAN_INVERT;
 
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;
+
     static void describe(pelorus::Describe<PolarRate>& plugin) {
         plugin.title("Range, range rate and azimuth")
             .purpose(
@@ -23,6 +25,7 @@ struct PolarRate : sensing::MountedSensor<PolarRate, 3, 2, true> {
             .source(
                 "Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, "
                 "Wiley 2001, 10.3; H. Zhang et al., Acta Electronica Sinica 47(3), 560-567, 2019 (noise by range)");
+        sensing::describe_moments(plugin, &PolarRate::moments);
         describe_common(plugin, "m, m/s, rad", "[10 m, 1 m/s, 1 mrad]", "range, range rate and azimuth");
     }
 
@@ -46,7 +49,7 @@ struct PolarRate : sensing::MountedSensor<PolarRate, 3, 2, true> {
     Inverse converted(const Measurement& z, const Noise& noise) const {
         Matrix<2> errors;
         errors << noise(0, 0), noise(0, 2), noise(2, 0), noise(2, 2);
-        const polar::Converted point = polar::unbiased({z(0), z(2)}, errors);
+        const auto point = pelorus::unbiased_point(Vector<2>(z(0), z(2)), errors, moments);
         return {point.mean, point.covariance};
     }
 };

@@ -55,6 +55,7 @@ struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
 
     Angle angle = Angle::elevation;
     Range range = Range::own;
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;
 
     static void describe(pelorus::Describe<Spherical>& plugin) {
         describe_reading(plugin);
@@ -69,7 +70,7 @@ struct Spherical : sensing::MountedSensor<Spherical, 3, 3> {
     Measurement measure(const Cartesian& x, const Look& look) const;
     Jacobian jacobian(const Cartesian& x, const Look& look) const;
     Inverse converted(const Measurement& z, const Noise& noise) const {
-        const spherical::Converted point = sensing::unbiased(z, noise, angle);
+        const auto point = sensing::unbiased(z, noise, angle, moments);
         return {point.mean, point.covariance};
     }
 
@@ -185,6 +186,7 @@ struct Passive : sensing::MountedSensor<Passive, 2, 3> {
 
     Angle angle = Angle::elevation;
     Range range = Range::passive;
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;  // of no point: none is converted
     pelorus::Vector<3> all_deviations;
 
     static void describe(pelorus::Describe<Passive>& plugin) {
@@ -222,6 +224,7 @@ template <class Plugin> void describe_reading(pelorus::Describe<Plugin>& plugin)
             "Transactions on Aerospace and Electronic Systems 34(3), 1023-1027, 1998; S. Bordonaro, P. Willett, Y. "
             "Bar-Shalom, Decorrelated unbiased converted measurement Kalman filter, ibid. 50(2), 1431-1444, 2014");
     sensing::describe_angle(plugin, &Plugin::angle);
+    sensing::describe_moments(plugin, &Plugin::moments);
     plugin.parameter("range", &Plugin::range)
         .initially("own")
         .choices(

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include <pelorus/unbiased_conversion.hpp>
+
 using namespace test_support;
 
 namespace {
@@ -65,7 +67,7 @@ TEST_CASE("a mount is turned by roll, pitch and yaw, right-handed", "[sensor]") 
 TEST_CASE("unbiased conversion gives the published covariance", "[sensor]") {
     const Eigen::Vector3d p(70e3, 70e3, 20e3), deviation(50.0, 0.8725e-3, 0.8725e-3);
     const auto converted =
-        spherical::unbiased(spherical::from_cartesian(p), Eigen::Matrix3d(deviation.cwiseAbs2().asDiagonal()));
+        pelorus::unbiased_point(spherical::from_cartesian(p), Eigen::Matrix3d(deviation.cwiseAbs2().asDiagonal()));
     Eigen::Matrix3d expected;
     expected << 5083.391, -2376.922, -722.621, -2376.922, 5083.391, -722.621, -722.621, -722.621, 7558.352;
     CHECK(largest(converted.covariance - expected) < 6e-4);  // printed to a thousandth
@@ -138,9 +140,9 @@ TEST_CASE("correlated errors reach the converted covariance", "[sensor]") {
     const Eigen::Vector3d z(1000.0, 0.7, 0.3);
     Eigen::Matrix3d noise;
     noise << 1.0, 2e-5, 1e-5, 2e-5, 1e-8, 0.0, 1e-5, 0.0, 1e-8;
-    const Eigen::Matrix3d j = spherical::cartesian_jacobian(z);
+    const Eigen::Matrix3d j = pelorus::conversion_slope(z);
     const Eigen::Matrix3d first_order = j * noise * j.transpose();
-    CHECK(largest(spherical::unbiased(z, noise).covariance - first_order) < 1e-6 * largest(first_order));
+    CHECK(largest(pelorus::unbiased_point(z, noise).covariance - first_order) < 1e-6 * largest(first_order));
 }
 
 TEST_CASE("zenith is the complement of elevation", "[sensor]") {

@@ -15,6 +15,7 @@ struct SphericalRate : sensing::MountedSensor<SphericalRate, 4, 3, true> {
     static constexpr int located[] = {0, 2, 3};
 
     Angle angle = Angle::elevation;
+    pelorus::ConversionMoments moments = pelorus::ConversionMoments::exact;
 
     static void describe(pelorus::Describe<SphericalRate>& plugin) {
         plugin.title("Range, range rate, azimuth and elevation or zenith")
@@ -30,6 +31,7 @@ struct SphericalRate : sensing::MountedSensor<SphericalRate, 4, 3, true> {
                 "Wiley 2001, 10.3; L. Mo, X. Song, Y. Zhou, Z. K. Sun, Y. Bar-Shalom, Unbiased converted measurements "
                 "for tracking, IEEE Transactions on Aerospace and Electronic Systems 34(3), 1023-1027, 1998");
         sensing::describe_angle(plugin, &SphericalRate::angle);
+        sensing::describe_moments(plugin, &SphericalRate::moments);
         describe_common(plugin, "m, m/s, rad, rad", "[10 m, 1 m/s, 1 mrad, 1 mrad]",
                         "range, range rate, azimuth and elevation or zenith");
     }
@@ -54,7 +56,7 @@ struct SphericalRate : sensing::MountedSensor<SphericalRate, 4, 3, true> {
         Matrix<3> kept;
         for (int row = 0; row < 3; ++row)
             for (int col = 0; col < 3; ++col) kept(row, col) = errors(located[row], located[col]);
-        const spherical::Converted point = sensing::unbiased({z(0), z(2), z(3)}, kept, angle);
+        const auto point = sensing::unbiased({z(0), z(2), z(3)}, kept, angle, moments);
         return {point.mean, point.covariance};
     }
 };
