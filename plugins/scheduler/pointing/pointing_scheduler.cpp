@@ -87,9 +87,17 @@ void PointingScheduler::on_tracks(const pelorus::Event& event, const plr_tracks&
         lock_.begin();
     }
     if (entry < 0) return;
+    follow(tracks, entry);
+    command(event.arrival, event.time);
+}
+
+/// Takes the track as it is now. What a search has looked at stays where it is in the sky.
+void PointingScheduler::follow(const plr_tracks& tracks, std::int64_t entry) {
+    std::optional<sensing::Direction> believed;
+    if (!lock_.done.empty()) believed = predicted(tracks.times[entry]).direction;
     record_ = one_track::told_record(filter_, tracks, entry, key_);
     track_time_ = tracks.times[entry];
-    command(event.arrival, event.time);
+    if (believed) lock_.shift(sensing::offset_in_view(*believed, predicted(track_time_).direction));
 }
 
 /// The newest entry of the track that is followed, or -1.
@@ -153,7 +161,7 @@ std::vector<Place> PointingScheduler::pattern(const Prediction& prediction) cons
     return search_pattern(field_, prediction.spread, sigmas_, static_cast<double>(lock_.passes) * step / 2);
 }
 
-void PointingScheduler::on_values(const pelorus::Event&, const plr_values& values) {
+void PointingScheduler::on_values(const pelorus::Event& event, const plr_values& values) {
     const std::string name = filter_.sensors()[static_cast<std::size_t>(sensor_)].name();
     const char* at = reinterpret_cast<const char*>(values.quantities);
     for (std::uint32_t i = 0; i < values.count; ++i) {
@@ -168,6 +176,9 @@ void PointingScheduler::on_values(const pelorus::Event&, const plr_values& value
         seen_at_.push_back({quantity.valid_from, {angles(0, 0), in_plane() ? 0.0 : angles(1, 0)}});
         if (seen_at_.size() > most_pointings) seen_at_.erase(seen_at_.begin());
     }
+    // Where its frames fail to come it is kept on the target all the same.
+    const std::int64_t step = this->step();
+    if (target_ && (!last_look_ || event.time > *last_look_ + step + step / 2)) command(event.arrival, event.time);
 }
 
 std::optional<sensing::Direction> PointingScheduler::looked_at(std::int64_t time) const {
@@ -227,14 +238,14 @@ bool PointingScheduler::is_hit(const Prediction& prediction, const plr_scan& sca
 
 /// Points at where the search is now, about where the target will be at the next look.
 void PointingScheduler::command(std::int64_t arrival, std::int64_t stamp) {
-    const std::int64_t step = period_ ? std::llround(*period_ * 1e9) : spacing_.value_or(0);
+    const std::int64_t step = this->step();
     std::int64_t look = std::max(stamp, arrival);
     if (step > 0) {
         const std::int64_t last = last_look_.value_or(look);
         look = last + step * ((std::max(look, last) - last) / step + 1);
     }
     const Prediction prediction = predicted(look);
-    if (!lock_.choose(pattern(prediction))) lock_.choose(pattern(prediction));
+    if (!lock_.choose(pattern(prediction), field_.pitch())) lock_.choose(pattern(prediction), field_.pitch());
     const sensing::Offset& place = lock_.place.at;
     commanded_ = in_plane() ? sensing::Direction{prediction.direction.azimuth + place.left, 0}
                             : sensing::direction_in_view(prediction.direction, place);

@@ -1,6 +1,7 @@
 /// scheduler.pointing: points a narrow sensor at what a track predicts. See README.md.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,9 +59,12 @@ private:
         template <class Archive> void state(Archive& archive) { archive(looks, locked, losses, first_lock); }
     };
 
+    /// From a look to the next (ns), or 0 where nothing is known of it.
+    std::int64_t step() const { return period_ ? std::llround(*period_ * 1e9) : spacing_.value_or(0); }
     bool in_plane() const noexcept { return elevation_ < 0 && zenith_ < 0; }
     void find_sensor();
     void find_angles();
+    void follow(const plr_tracks& tracks, std::int64_t entry);
     std::int64_t entry_of_target(const plr_tracks& tracks) const;
     std::int64_t chosen_entry(const plr_tracks& tracks) const;
     void drop_target(std::int64_t time);

@@ -201,6 +201,19 @@ TEST_CASE("pointing scheduler: looks on the way to where it was told do not coun
     CHECK(looks[4](3) < 1e-6);
 }
 
+TEST_CASE("pointing scheduler: it stays on the target while the sensor's frames fail to come", "[pointing]") {
+    Rig rig("{field_of_view: 1 deg, period: 1 s}");
+    const Vector3d velocity(30, -20, 10);
+    rig.track(0, 1, 0.1, PLR_TRACK_CONFIRMED, velocity);
+    rig.look(1, false);
+    const std::size_t before = rig.commands().size();
+    rig.looks_at(2, rig.commands().back().angles);  // its frame may still come
+    CHECK(rig.commands().size() == before);
+    rig.looks_at(3, rig.commands().back().angles);
+    REQUIRE(rig.commands().size() == before + 1);
+    CHECK((rig.commands().back().angles - Rig::expected(Vector3d(1000, 2000, 500) + 4 * velocity)).norm() < 1e-8);
+}
+
 TEST_CASE("pointing scheduler: it keeps its track until that is deleted, and takes no tentative one", "[pointing]") {
     Rig rig("{field_of_view: 1 deg, period: 1 s}");
     rig.track(0, 5, 0.1, PLR_TRACK_TENTATIVE);
