@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -56,11 +57,23 @@ struct Lock {
         }
     }
 
+    /// The prediction, which places are counted from, has moved by so much: what was looked at lies elsewhere in its view.
+    void shift(const sensing::Offset& by) {
+        for (Place& each : done) {
+            each.at.left -= by.left;
+            each.at.up -= by.up;
+        }
+    }
+
     /// Chooses the likeliest place, of those ordered so, that was not looked at; false: there is none, and the pattern begins again.
-    bool choose(const std::vector<Place>& pattern) {
+    /// `pitch`: from a field to its neighbours; what is nearer than half of that was looked at.
+    bool choose(const std::vector<Place>& pattern, const sensing::Offset& pitch) {
         for (const Place& each : pattern) {
-            const auto is_same = [&](const Place& other) { return other.same(each); };
-            if (std::any_of(done.begin(), done.end(), is_same)) continue;
+            const auto is_near = [&](const Place& other) {
+                return std::fabs(other.at.left - each.at.left) <= pitch.left / 2 &&
+                       std::fabs(other.at.up - each.at.up) <= pitch.up / 2;
+            };
+            if (std::any_of(done.begin(), done.end(), is_near)) continue;
             if (!place.same(each)) looks_there = 0;
             place = each;
             places = static_cast<std::int64_t>(pattern.size());

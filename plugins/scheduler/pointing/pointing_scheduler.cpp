@@ -87,9 +87,17 @@ void PointingScheduler::on_tracks(const pelorus::Event& event, const plr_tracks&
         lock_.begin();
     }
     if (entry < 0) return;
+    follow(tracks, entry);
+    command(event.arrival, event.time);
+}
+
+/// Takes the track as it is now. What a search has looked at stays where it is in the sky.
+void PointingScheduler::follow(const plr_tracks& tracks, std::int64_t entry) {
+    std::optional<sensing::Direction> believed;
+    if (!lock_.done.empty()) believed = predicted(tracks.times[entry]).direction;
     record_ = one_track::told_record(filter_, tracks, entry, key_);
     track_time_ = tracks.times[entry];
-    command(event.arrival, event.time);
+    if (believed) lock_.shift(sensing::offset_in_view(*believed, predicted(track_time_).direction));
 }
 
 /// The newest entry of the track that is followed, or -1.
@@ -237,7 +245,7 @@ void PointingScheduler::command(std::int64_t arrival, std::int64_t stamp) {
         look = last + step * ((std::max(look, last) - last) / step + 1);
     }
     const Prediction prediction = predicted(look);
-    if (!lock_.choose(pattern(prediction))) lock_.choose(pattern(prediction));
+    if (!lock_.choose(pattern(prediction), field_.pitch())) lock_.choose(pattern(prediction), field_.pitch());
     const sensing::Offset& place = lock_.place.at;
     commanded_ = in_plane() ? sensing::Direction{prediction.direction.azimuth + place.left, 0}
                             : sensing::direction_in_view(prediction.direction, place);

@@ -64,6 +64,7 @@ private:
     bool in_plane() const noexcept { return elevation_ < 0 && zenith_ < 0; }
     void find_sensor();
     void find_angles();
+    void follow(const plr_tracks& tracks, std::int64_t entry);
     std::int64_t entry_of_target(const plr_tracks& tracks) const;
     std::int64_t chosen_entry(const plr_tracks& tracks) const;
     void drop_target(std::int64_t time);

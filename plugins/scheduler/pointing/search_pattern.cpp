@@ -9,12 +9,10 @@ namespace pointing_scheduler {
 
 namespace {
 
-constexpr double overlap = 0.2;
-
 /// How many fields to one side of the middle one reach as far as `reach` (rad), all of them within a right angle.
 int rings(double reach, double side) {
     if (side <= 0 || reach <= side / 2) return 0;
-    const double pitch = (1 - overlap) * side, most = std::min(std::floor(1.5 / pitch), 200.0);
+    const double pitch = (1 - Field::overlap) * side, most = std::min(std::floor(1.5 / pitch), 200.0);
     return static_cast<int>(std::min(std::ceil((reach - side / 2) / pitch), most));
 }
 
@@ -64,7 +62,7 @@ std::vector<Place> search_pattern(const Field& field, const pelorus::Matrix<2>& 
     for (int row = -rows; row <= rows; ++row)
         for (int column = -columns; column <= columns; ++column) {
             if (row == 0 && column == 0) continue;
-            const sensing::Offset at{(1 - overlap) * field.width * column, (1 - overlap) * field.height * row};
+            const sensing::Offset at{field.pitch().left * column, field.pitch().up * row};
             if (distance.nearest(at, field) <= 1) found.push_back({distance(at.left, at.up), {column, row, at}});
         }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

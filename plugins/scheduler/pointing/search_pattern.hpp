@@ -10,10 +10,14 @@
 
 namespace pointing_scheduler {
 
-/// A field of view: full angles (rad) across, and how far its middle moves from one look to the next so that no gap is left.
+/// A field of view: full angles (rad) across.
 struct Field {
+    static constexpr double overlap = 0.2;  ///< of neighbours, for what moves meanwhile
+
     double width = 0, height = 0;  ///< of the window that lies within the field: of a cone, the square in it
 
+    /// From the middle of a field to that of its neighbours.
+    sensing::Offset pitch() const noexcept { return {(1 - overlap) * width, (1 - overlap) * height}; }
     /// One angle: a cone; two: a window. `in_plane`: the one angle is a sector.
     static Field of(const std::vector<double>& angles, bool in_plane);
 };
@@ -31,7 +35,7 @@ struct Place {
 /// deviations of the prediction.
 ///     area: { x : x' A^-1 x <= 1 },   A = sigmas^2 P + widened^2 I
 /// P: covariance of the prediction to the left and up (rad^2); `sigmas`: how many deviations are covered; `widened` (rad): by how much
-/// the area is larger than that. Neighbours overlap by a fifth, for what moves meanwhile. At most `most_fields`, the likeliest.
+/// the area is larger than that. At most `most_fields`, the likeliest.
 std::vector<Place> search_pattern(const Field& field, const pelorus::Matrix<2>& spread, double sigmas, double widened);
 
 inline constexpr std::size_t most_fields = 1000;

@@ -25,6 +25,8 @@ bool is_seen(const Field& field, const std::vector<Place>& places, double left, 
     return false;
 }
 
+constexpr sensing::Offset pitch{1e-3, 1e-3};
+
 }  // namespace
 
 TEST_CASE("search: a field that covers the place looks at its middle alone", "[pointing]") {
@@ -96,7 +98,7 @@ TEST_CASE("lock: so many looks in a row make it, and so many others lose it", "[
     const auto after = [&](std::initializer_list<bool> looks) {
         for (const bool hit : looks) {
             lock.look(rules, hit, true);
-            lock.choose({{}});
+            lock.choose({{}}, pitch);
         }
         return lock.now;
     };
@@ -113,31 +115,49 @@ TEST_CASE("lock: so many looks in a row make it, and so many others lose it", "[
 TEST_CASE("lock: a search goes from place to place, each for its looks, and widens where it found nothing",
           "[pointing]") {
     const Rules rules{3, 4, 2};
-    const std::vector<Place> pattern{{0, 0, {}}, {1, 0, {}}, {-1, 0, {}}},
-        otherwise{{0, 0, {}}, {-1, 0, {}}, {1, 0, {}}};
+    const std::vector<Place> pattern{{0, 0, {}}, {1, 0, {1e-3, 0}}, {-1, 0, {-1e-3, 0}}},
+        otherwise{{0, 0, {}}, {-1, 0, {-1e-3, 0}}, {1, 0, {1e-3, 0}}};
     Lock lock;
     lock.begin();
-    REQUIRE(lock.choose(pattern));
+    REQUIRE(lock.choose(pattern, pitch));
     CHECK(lock.now == State::searching);
     std::vector<std::int32_t> columns;
     for (int k = 0; k < 6; ++k) {
         columns.push_back(lock.place.column);
         lock.look(rules, false, true);
-        CHECK(lock.choose(k < 3 ? pattern : otherwise) == (k < 5));  // another order makes it forget nothing
+        CHECK(lock.choose(k < 3 ? pattern : otherwise, pitch) == (k < 5));  // another order makes it forget nothing
     }
     CHECK(columns == std::vector<std::int32_t>{0, 0, 1, 1, -1, -1});
     CHECK(lock.passes == 1);
-    REQUIRE(lock.choose(pattern));
+    REQUIRE(lock.choose(pattern, pitch));
     CHECK(lock.place.column == 0);
     lock.look(rules, false, false);  // on its way there: does not count
     CHECK(lock.looks_there == 0);
     lock.look(rules, true, true);
     CHECK(lock.passes == 0);
-    REQUIRE(lock.choose({{}}));
+    REQUIRE(lock.choose({{}}, pitch));
     CHECK(lock.now == State::acquiring);
     for (int k = 0; k < 4; ++k) {
         lock.look(rules, false, true);  // the only place: as long as until a loss
-        CHECK(lock.choose({{}}) == (k < 3));
+        CHECK(lock.choose({{}}, pitch) == (k < 3));
     }
     CHECK(lock.passes == 1);
+}
+
+TEST_CASE("lock: what was looked at stays where it is in the sky while the prediction moves", "[pointing]") {
+    const Rules rules{3, 4, 1};
+    const std::vector<Place> pattern{{0, 0, {}}, {1, 0, {1e-3, 0}}, {-1, 0, {-1e-3, 0}}, {2, 0, {2e-3, 0}}};
+    Lock lock;
+    lock.begin();
+    REQUIRE(lock.choose(pattern, pitch));
+    lock.look(rules, false, true);
+    lock.shift({1.1e-3, 0});  // what was the middle is now the place of column -1
+    REQUIRE(lock.choose(pattern, pitch));
+    CHECK(lock.place.column == 0);
+    lock.look(rules, false, true);
+    REQUIRE(lock.choose(pattern, pitch));
+    CHECK(lock.place.column == 1);
+    lock.look(rules, false, true);
+    REQUIRE(lock.choose(pattern, pitch));
+    CHECK(lock.place.column == 2);
 }
