@@ -173,7 +173,7 @@ void PointingScheduler::on_values(const pelorus::Event& event, const plr_values&
             throw pelorus::DataError("the pointing of sensor " + name + " has " + std::to_string(v.rows * v.cols) +
                                      " angles");
         const auto angles = pelorus::item(v, 0);
-        seen_at_.push_back({quantity.valid_from, {angles(0, 0), in_plane() ? 0.0 : angles(1, 0)}});
+        seen_at_.push_back({event.time, {angles(0, 0), in_plane() ? 0.0 : angles(1, 0)}});
         if (seen_at_.size() > most_pointings) seen_at_.erase(seen_at_.begin());
     }
     // Where its frames fail to come it is kept on the target all the same.

@@ -2,6 +2,7 @@
 // tests/integration/simulation_field_test.cpp.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "simulation_rig.hpp"
 #include "ticks.hpp"
@@ -78,6 +79,8 @@ TEST_CASE("simulation: ticks keep their order and their place in time, however l
     CHECK(wild.time(0) == 499'999'999);
     CHECK(wild.time(1) == 500'000'001);
     CHECK(simulation::Clock(1.0, [](std::uint64_t) { return -1e12; }).time(0) == 0);
+    CHECK(simulation::Clock(9e9, [](std::uint64_t) { return 1e30; }).time(1) ==
+          std::numeric_limits<std::int64_t>::max());
 }
 
 TEST_CASE("simulation: in an outage nothing is told, and what comes after it is as without it", "[simulation]") {

@@ -26,7 +26,9 @@ public:
         const long double exact = static_cast<long double>(tick) * static_cast<long double>(period_);
         if (!(exact < static_cast<long double>(never))) return never;
         const std::int64_t place = std::llround(exact);
-        return jitter_ ? std::max<std::int64_t>(0, place + shift(tick)) : place;
+        if (!jitter_) return place;
+        const std::int64_t off = shift(tick);
+        return off > never - place ? never : std::max<std::int64_t>(0, place + off);
     }
 
     /// In ns.
