@@ -50,6 +50,15 @@ public:
 
 private:
     void advance() noexcept {
+        if (points_ == 1) {
+            for (int lane = 0; lane < width; ++lane) {
+                item_of_[lane] = item_ + lane;
+                point_of_[lane] = 0;
+            }
+            count_ = static_cast<int>(items_ - item_ < width ? items_ - item_ : width);
+            item_ += count_;
+            return;
+        }
         for (count_ = 0; count_ < width && item_ < items_ && points_ > 0; ++count_) {
             item_of_[count_] = item_;
             point_of_[count_] = point_;
@@ -126,13 +135,14 @@ void differentiate(const Mounting& mounting, std::int64_t items, const TriplesIn
         walk.load(from, point);
         const Local local(mounting, point);
         // Along the sensor's axes: where to, on the ground and in space, and by how much an angle turns a metre further.
-        const Pack x = local.p[0] / local.ground, y = local.p[1] / local.ground;
-        const Pack by_ground = local.scale / local.ground, by_range = local.scale / local.range;
-        const Pack direction[3] = {local.p[0] / local.range, local.p[1] / local.range, local.p[2] / local.range};
+        const Pack per_ground = 1.0 / local.ground, per_range = 1.0 / local.range;
+        const Pack x = local.p[0] * per_ground, y = local.p[1] * per_ground;
+        const Pack by_ground = local.scale * per_ground, by_range = local.scale * per_range;
+        const Pack direction[3] = {local.p[0] * per_range, local.p[1] * per_range, local.p[2] * per_range};
         const Pack turn = mounting.is_zenith ? -by_range : by_range, rise = direction[2] * turn;
         const Pack along[9] = {direction[0], -y * by_ground, -x * rise,  //
                                direction[1], x * by_ground,  -y * rise,  //
-                               direction[2], Pack{},         local.ground / local.range * turn};
+                               direction[2], Pack{},         local.ground * per_range * turn};
         for (int c = 0; c < 3; ++c) {
             for (int r = 0; r < 3; ++r)
                 out[3 * c + r] = along[r] * mounting.rotation[c] + along[3 + r] * mounting.rotation[3 + c] +
