@@ -51,3 +51,13 @@ TEST_CASE("a pointed camera is worth nearly as much as one that sees everything"
     CHECK(from[1] < 226);
     CHECK(column(wide, "scheduler.locks", "from").size() == 1);
 }
+
+TEST_CASE("a camera is pointed at one of two targets among false alarms", "[cueing][release-only]") {
+    const Json cells = cells_of("radar_eo_cueing_clutter", {"--runs", "4", "--variant", "cued"});
+    const Json& cued = cell_of(cells, "cued");
+    CHECK(value(cued, "errors.position_rmse") < 3.2);  // 6.0 without the camera
+    CHECK(value(cued, "scheduler.locked_share") > 0.94);
+    CHECK(value(cued, "scheduler.losses") < 2.5);
+    CHECK(value(cued, "scheduler.first_lock") > 6);
+    CHECK(value(cued, "scheduler.first_lock") < 22);
+}
