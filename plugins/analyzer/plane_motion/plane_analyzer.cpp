@@ -130,6 +130,9 @@ void PlaneAnalyzer::check_parameters() const {
                 throw pelorus::ParameterError(
                     name, "is that of windows[" + std::to_string(k) + "], too; results are named by it");
     }
+    for (const double at : scalars_at_.value_or(std::vector<double>()))
+        if (std::count(scalars_at_->begin(), scalars_at_->end(), at) > 1)
+            throw pelorus::ParameterError("scalars_at", "has a time twice; results are named by it");
     if (from_ && !(std::fabs(*from_) < 9e9))
         throw pelorus::ParameterError("from", "is beyond what a clock of nanoseconds can tell (9e9 s)");
 }

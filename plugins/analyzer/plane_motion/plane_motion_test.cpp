@@ -245,6 +245,7 @@ TEST_CASE("plane motion: what makes no sense is refused by name", "[plane_motion
     CHECK_THAT(refusal("{window: growing, length: 3 s}"), Catch::Contains("length: belongs to window: sliding"));
     CHECK_THAT(refusal("{window: growing, windows: [[0 s, 1 s]]}"), Catch::Contains("windows: belongs"));
     CHECK_THAT(refusal("{windows: [[0 s, 1 s]], from: 0 s}"), Catch::Contains("from: belongs"));
+    CHECK_THAT(refusal("{window: growing, scalars_at: [3 s, 3 s]}"), Catch::Contains("scalars_at: has a time twice"));
     Show show("{windows: [[0 s, 3 s]]}");
     pelorus::ScanBuilder bare("radar", "", pelorus::position_space(3));
     const double p[] = {1, 2, 3};
