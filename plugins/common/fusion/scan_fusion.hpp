@@ -119,6 +119,10 @@ private:
         for (std::size_t s = 0; s < sensors_.size(); ++s)
             if (sensors_[s].part.name() == scan.sensor) sight.sensor = static_cast<int>(s);
         if (sight.sensor < 0) throw pelorus::DataError(std::string("sensor ") + scan.sensor + " is in no slot");
+        const pelorus::Space& measured = sensors_[static_cast<std::size_t>(sight.sensor)].measured;
+        if (!measured.same(pelorus::Space(*scan.space)))
+            throw pelorus::DataError(std::string("sensor ") + scan.sensor + " measures " + measured.text() +
+                                     ", its scan has " + pelorus::Space(*scan.space).text());
         const bool has_noise = scan.covariances.data != nullptr;
         const Eigen::MatrixXd own = has_noise ? Eigen::MatrixXd() : own_noise(sight, scan);
         for (std::int64_t i = 0; i < scan.measurements.count; ++i)

@@ -215,6 +215,10 @@ void RigidRegistration::on_scan(const pelorus::Event& event, const plr_scan& sca
         return send(event.time, out);
     }
     const SensorMove& move = found->second;
+    const pelorus::Space& measured = measured_.at(found->first);
+    if (!measured.same(pelorus::Space(*scan.space)))
+        throw pelorus::DataError("sensor " + found->first + " measures " + measured.text() + ", its scan has " +
+                                 pelorus::Space(*scan.space).text());
     const Motion motion = motion_from(scan.frame, event.time);
     if (move.is_of_plane()) check_plane(motion, found->first);
     const SensorMove::Moved moved = move(scan, event.time, motion, covariance_, caller_);

@@ -174,6 +174,9 @@ TEST_CASE("rigid registration: what stands along the new axes keeps its values, 
     const plr_scan& other = rig.scan(bearings, z, noise, "sonar", "sea");
     CHECK(std::string(other.frame) == "sea");
     CHECK(VectorXd(pelorus::item(other.measurements, 0)) == z);
+    CHECK_THROWS_WITH(
+        rig.scan(bearings, z, noise, "radar"),
+        "sensor radar measures range [m], azimuth [rad], zenith [rad], its scan has azimuth [rad], zenith [rad]");
 }
 
 TEST_CASE("rigid registration: a scan without covariances has the sensor's own noise", "[registration]") {
