@@ -1,4 +1,5 @@
-/// A fusion of scans in a test: a radar (range, azimuth, zenith) and a camera (azimuth, zenith), or others.
+/// A fusion in a test: of a radar (range, azimuth, zenith) and a camera (azimuth, zenith), or of others; and of tracks of positions in
+/// the plane.
 #pragma once
 
 #include <cmath>
@@ -59,6 +60,36 @@ template <class Fusion> struct Rig {
             builder.add(one.id, one.value.data(), one.covariance.size() == 0 ? nullptr : one.covariance.data());
         stage->receive(Fusion::scans_in, builder.message(std::llround(time * 1e9)),
                        std::llround((arrival < 0 ? time : arrival) * 1e9));
+    }
+    struct Track {
+        std::uint64_t id;
+        VectorXd mean;
+        MatrixXd covariance;
+        std::int32_t status = PLR_TRACK_CONFIRMED;
+    };
+    /// Of the tracker at that port.
+    void tracks(std::uint32_t port, double time, const std::vector<Track>& all, double arrival = -1) {
+        pelorus::TracksBuilder builder("eo", pelorus::position_space(2));
+        for (const Track& track : all) {
+            pelorus::TrackEntry entry;
+            entry.id = track.id;
+            entry.time = std::llround(time * 1e9);
+            entry.status = track.status;
+            entry.mean = track.mean.data();
+            entry.covariance = track.covariance.data();
+            builder.add(entry);
+        }
+        stage->receive(port, builder.message(std::llround(time * 1e9)),
+                       std::llround((arrival < 0 ? time : arrival) * 1e9));
+    }
+    /// The fused tracks of the last message.
+    std::vector<Track> fused() const {
+        std::vector<Track> out;
+        const plr_tracks& tracks = bench.published.back().tracks();
+        for (std::int64_t i = 0; i < tracks.count; ++i)
+            out.push_back(
+                {tracks.ids[i], pelorus::item(tracks.mean, i), pelorus::item(tracks.covariance, i), tracks.status[i]});
+        return out;
     }
     std::vector<Told> told() const {
         std::vector<Told> out;

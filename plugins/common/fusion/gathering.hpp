@@ -17,12 +17,13 @@ namespace fusion {
 /// What is done with what only some of the sensors tell.
 enum class Alone { pass, drop };
 
-/// One measurement, as far as fusion is concerned. A covariance without elements: none.
+/// One measurement or track, as far as fusion is concerned.
 struct Sighting {
     std::uint64_t id = 0;
     Eigen::VectorXd value;
     Eigen::MatrixXd covariance;
-    template <class Archive> void state(Archive& archive) { archive(id, value, covariance); }
+    std::int32_t status = 0;  ///< of a track
+    template <class Archive> void state(Archive& archive) { archive(id, value, covariance, status); }
 };
 
 /// What one sensor saw.

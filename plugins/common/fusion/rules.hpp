@@ -176,4 +176,59 @@ namespace detail {
            best_weights(told, criterion, weights) && estimate_of(common, told, weights, reference, out);
 }
 
+/// Two estimates of all components whose errors have the covariance C = E e_1 e_2':
+///     x = x_1 + K (x_2 - x_1)    P = P_1 - K (P_1 - C)'    K = (P_1 - C) (P_1 + P_2 - C - C')^-1
+/// Source: Y. Bar-Shalom, L. Campo, The effect of the common process noise on the two-sensor fused-track covariance, IEEE Transactions
+/// on Aerospace and Electronic Systems 22(6), 803-805, 1986.
+[[nodiscard]] inline bool fuse_correlated(const CommonSpace& common, const Piece& first, const Piece& second,
+                                          const Square& cross, Fused& out) {
+    const Eigen::Index n = common.size();
+    Square gain(n, n), total(n, n), root(n, n), excess(n, n);
+    Column difference(n, 1), step(n, 1);
+    for (Eigen::Index c = 0; c < n; ++c) {
+        difference(c, 0) = common.difference(static_cast<int>(c), second.mean(c, 0), first.mean(c, 0));
+        for (Eigen::Index r = 0; r < n; ++r) {
+            excess(r, c) = first.covariance(r, c) - cross(r, c);
+            total(r, c) = excess(r, c) + second.covariance(r, c) - cross(c, r);
+        }
+    }
+    if (!pelorus::small::cholesky(total, root)) return false;
+    gain = excess.transpose();
+    pelorus::small::cholesky_solve(root, gain);  // K'
+    gain.transposeInPlace();
+    pelorus::small::multiply(gain, difference, step);
+    common.advance(first.mean, step, out.mean);
+    out.covariance = Square(n, n);
+    pelorus::small::multiply_transposed(gain, excess, out.covariance);
+    for (Eigen::Index e = 0; e < out.covariance.size(); ++e)
+        out.covariance.data()[e] = first.covariance.data()[e] - out.covariance.data()[e];
+    pelorus::small::symmetrise(out.covariance);
+    return pelorus::small::cholesky(out.covariance, root) && pelorus::small::all_finite(out.mean);
+}
+
+/// rho P_1^1/2 P_2^1/2, symmetric roots: the covariance of errors whose normalised components have the correlation rho.
+[[nodiscard]] inline bool cross_covariance(const Piece& first, const Piece& second, double correlation, Square& out) {
+    const Eigen::Index n = first.covariance.rows();
+    Square one(n, n), other(n, n);
+    out = Square(n, n);
+    if (!pelorus::small::square_root(first.covariance, one) || !pelorus::small::square_root(second.covariance, other))
+        return false;
+    for (Eigen::Index e = 0; e < one.size(); ++e) one.data()[e] *= correlation;
+    pelorus::small::multiply(one, other, out);
+    return true;
+}
+
+/// Two estimates that share a third one, each having added information of its own: what is common counts once.
+///     P^-1 = P_1^-1 + P_2^-1 - P_c^-1    P^-1 x = P_1^-1 x_1 + P_2^-1 x_2 - P_c^-1 x_c
+/// Source: C. Y. Chong, S. Mori, K. C. Chang, Distributed multitarget multisensor tracking, in: Y. Bar-Shalom (ed.), Multitarget-
+/// Multisensor Tracking: Advanced Applications, Artech House, 1990, chapter 8.
+[[nodiscard]] inline bool fuse_without(const CommonSpace& common, const Piece& first, const Piece& second,
+                                       const Piece& shared, Fused& out) {
+    const std::vector<Piece> pieces{first, second, shared};
+    Column reference(common.size(), 1);
+    std::vector<Information> told;
+    return common.reference(pieces, reference) && information_of(common, pieces, reference, told) &&
+           estimate_of(common, told, {1, 1, -1}, reference, out);
+}
+
 }  // namespace fusion

@@ -148,3 +148,54 @@ TEST_CASE("rules of fusion: units that differ are refused", "[fusion]") {
     CHECK_THROWS_WITH(common.add(pelorus::Space(std::vector<pelorus::Component>{{"range", "km"}}), "sensors"),
                       "range is told in m and in km");
 }
+
+TEST_CASE("rules of fusion: with a known cross-covariance no gain is better, and the covariance is the true one",
+          "[fusion]") {
+    const auto common = plain(3);
+    for (int trial = 0; trial < 10; ++trial) {
+        const MatrixXd joint = full(6, trial), cross = joint.topRightCorner(3, 3);
+        const Piece first{all_of(3), vector({1, 2, 3}), joint.topLeftCorner(3, 3)};
+        Piece second{all_of(3), first.mean, joint.bottomRightCorner(3, 3)};
+        MatrixXd gain(3, 3);
+        Fused fused;
+        for (int column = 0; column < 3; ++column) {
+            second.mean = first.mean;
+            second.mean(column, 0) += 1;
+            REQUIRE(fusion::fuse_correlated(common, first, second, cross, fused));
+            gain.col(column) = MatrixXd(fused.mean) - MatrixXd(first.mean);
+        }
+        const auto covariance_by = [&](const MatrixXd& k) {
+            MatrixXd weights(3, 6);
+            weights << MatrixXd::Identity(3, 3) - k, k;
+            return MatrixXd(weights * joint * weights.transpose());
+        };
+        check_same(fused.covariance, covariance_by(gain), 1e-11);
+        for (int other = 0; other < 20; ++other) {
+            MatrixXd k = gain;
+            k(other % 3, other / 3 % 3) += other % 2 == 0 ? 0.05 : -0.05;
+            CHECK(covariance_by(k).trace() > fused.covariance.trace());
+        }
+    }
+}
+
+TEST_CASE("rules of fusion: what two estimates share counts once", "[fusion]") {
+    // Two filters start from one prior and see one measurement each; one filter that sees both knows the same as both together.
+    const auto common = plain(3);
+    const Piece prior{all_of(3), vector({1, 2, 3}), full(3, 4)};
+    const Piece one{{0, 2}, vector({1.5, 2}), full(2, 5)}, other{{1}, vector({4}), full(1, 6)};
+    Piece first = prior, second = prior;
+    Fused fused, central;
+    REQUIRE(fusion::add_information(common, {prior, one}, fused));
+    first.mean = fused.mean;
+    first.covariance = fused.covariance;
+    REQUIRE(fusion::add_information(common, {prior, other}, fused));
+    second.mean = fused.mean;
+    second.covariance = fused.covariance;
+    REQUIRE(fusion::add_information(common, {prior, one, other}, central));
+    REQUIRE(fusion::fuse_without(common, first, second, prior, fused));
+    check_same(fused.mean, central.mean, 1e-10);
+    check_same(fused.covariance, central.covariance, 1e-10);
+    // Nothing is left where more is said to be shared than either knows.
+    const Piece too_much{all_of(3), prior.mean, 0.1 * full(3, 4)};
+    CHECK_FALSE(fusion::fuse_without(common, prior, prior, too_much, fused));
+}

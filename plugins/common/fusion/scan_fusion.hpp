@@ -32,6 +32,7 @@ public:
     std::vector<pelorus::Stream> out_streams(std::uint32_t) const { return scan_out_streams(); }
 
     void on_scan(const pelorus::Event& event, const plr_scan& scan) {
+        if (sensors_.empty()) return count("scans_of_no_sensor", 1);
         Sight sight = read(event, scan);
         if (gathering_.has(sight.sensor, sight.time))
             throw pelorus::DataError(std::string("sensor ") + scan.sensor + " has told of this time already");
@@ -47,7 +48,7 @@ public:
 
 protected:
     static void describe_scans(pelorus::Describe<Derived>& plugin) {
-        plugin.slot("sensors", "sensor", 1, -1,
+        plugin.slot("sensors", "sensor", 0, -1,
                     "sensors whose scans are fused, by the names of the scans, as they stand in this node's frame");
         plugin.parameter("name", &ScanFusion::name_)
             .initially("fused")
@@ -56,7 +57,7 @@ protected:
             .above(0)
             .doc("measurements pair up to this distance, in standard deviations of their difference; absent: to any");
         GatheringParameters::describe_gathering(plugin);
-        plugin.in_port("scans", PLR_MESSAGE_SCAN, "of all sensors in the slot", PLR_PORT_MANY);
+        plugin.in_port("scans", PLR_MESSAGE_SCAN, "of all sensors in the slot", PLR_PORT_MANY | PLR_PORT_OPTIONAL);
         plugin.out_port("scans", PLR_MESSAGE_SCAN, "fused: all components that any of the sensors measures");
     }
     void setup_scans(const pelorus::Setup& setup) {
@@ -84,6 +85,7 @@ protected:
         return out;
     }
     std::vector<pelorus::Stream> scan_out_streams() const {
+        if (sensors_.empty()) return {};
         pelorus::Stream stream;
         stream.sensor = name_;
         stream.space = common_.space();
@@ -91,6 +93,9 @@ protected:
         return {stream};
     }
     const CommonSpace& common() const noexcept { return common_; }
+    const std::string& frame() const noexcept { return frame_; }
+    /// A squared distance; infinity where none is given.
+    double gate() const noexcept { return gate_ ? *gate_ * *gate_ : std::numeric_limits<double>::infinity(); }
     void count(const char* name, std::int64_t by) const {
         if (diagnostics_ != nullptr) diagnostics_->count(diagnostics_->context, name, by);
     }
@@ -114,11 +119,15 @@ private:
         for (std::size_t s = 0; s < sensors_.size(); ++s)
             if (sensors_[s].part.name() == scan.sensor) sight.sensor = static_cast<int>(s);
         if (sight.sensor < 0) throw pelorus::DataError(std::string("sensor ") + scan.sensor + " is in no slot");
+        const pelorus::Space& measured = sensors_[static_cast<std::size_t>(sight.sensor)].measured;
+        if (!measured.same(pelorus::Space(*scan.space)))
+            throw pelorus::DataError(std::string("sensor ") + scan.sensor + " measures " + measured.text() +
+                                     ", its scan has " + pelorus::Space(*scan.space).text());
         const bool has_noise = scan.covariances.data != nullptr;
         const Eigen::MatrixXd own = has_noise ? Eigen::MatrixXd() : own_noise(sight, scan);
         for (std::int64_t i = 0; i < scan.measurements.count; ++i)
             sight.sightings.push_back({scan.ids[i], pelorus::item(scan.measurements, i),
-                                       has_noise ? Eigen::MatrixXd(pelorus::item(scan.covariances, i)) : own});
+                                       has_noise ? Eigen::MatrixXd(pelorus::item(scan.covariances, i)) : own, 0});
         return sight;
     }
     /// The noise of a sensor whose noise is always the same. Throws DataError for another.
@@ -147,8 +156,7 @@ private:
             std::vector<const Piece*> rows, columns;
             for (const Piece& piece : pieces) rows.push_back(&piece);
             for (const Group& group : groups) columns.push_back(&group.pieces.front());
-            const double most = gate_ ? *gate_ * *gate_ : std::numeric_limits<double>::infinity();
-            const auto partners = match(common_, rows, columns, most);
+            const auto partners = match(common_, rows, columns, gate());
             for (std::size_t i = 0; i < pieces.size(); ++i) {
                 if (partners[i] == assignment::unassigned)
                     groups.push_back({sight.sightings[i].id, {std::move(pieces[i])}});

@@ -1,43 +1,49 @@
-/// fusion.weighted: one scan of several sensors', weighted by the reciprocals of their variances. See README.md.
+/// fusion.weighted: one scan of several sensors', one list of tracks of two trackers', weighted by the reciprocals of their
+/// (co)variances. See README.md.
 #pragma once
 
 #include "../../common/fusion/rules.hpp"
-#include "../../common/fusion/scan_fusion.hpp"
+#include "../../common/fusion/track_fusion.hpp"
 
 namespace weighted {
 
 enum class Rule { scalar, matrix };
 
-class WeightedFusion : public fusion::ScanFusion<WeightedFusion> {
+class WeightedFusion : public fusion::TrackFusion<WeightedFusion> {
 public:
-    static void describe(pelorus::Describe<WeightedFusion>& plugin) {
-        plugin.title("Weighted fusion")
-            .purpose(
-                "Makes one scan of those that several sensors have made at one time. Errors of different sensors are "
-                "taken "
-                "to be independent; a component that only one of them measures is that one's.")
-            .equation(
-                "scalar: x = sum(z_i / s_i^2) / sum(1 / s_i^2), s^2 = 1 / sum(1 / s_i^2), each component by itself; "
-                "matrix: P^-1 = sum H_i' R_i^-1 H_i, x = P sum H_i' R_i^-1 z_i")
-            .source(
-                "X. Xiang et al., Computer Measurement & Control 31(5), 2023, section 4 (scalar); Y. Bar-Shalom, P. K. "
-                "Willett, X. Tian, Tracking and Data Fusion, YBS, 2011, section 8.3 (matrix)");
-        describe_scans(plugin);
-        plugin.parameter("rule", &WeightedFusion::rule_)
-            .initially("matrix")
-            .choices({{"scalar", "each component by its variance; covariances between components are left out"},
-                      {"matrix", "with whole covariances"}})
-            .doc("how measurements are weighted");
-    }
-    void setup(const pelorus::Setup& setup) { setup_scans(setup); }
+    static constexpr bool takes_common = false;
+    static constexpr std::uint32_t cross_in = 3;  ///< in port, after those of every fusion
 
+    static void describe(pelorus::Describe<WeightedFusion>& plugin);
+    void setup(const pelorus::Setup& setup) {
+        setup_scans(setup);
+        setup_tracks();
+    }
+    void on_values(const pelorus::Event& event, const plr_values& values);
+
+    bool wants_common() const noexcept { return false; }
     bool fuse(const std::vector<fusion::Piece>& pieces, fusion::Fused& out) const {
         return rule_ == Rule::scalar ? fusion::weigh_components(common(), pieces, out)
                                      : fusion::add_information(common(), pieces, out);
     }
+    bool fuse_tracks(const fusion::TrackPair& pair, fusion::Fused& out) const;
+
+    template <class Archive> void state(Archive& archive) {
+        TrackFusion::state(archive);
+        archive(cross_);
+    }
 
 private:
+    /// The covariance of the errors of the first tracker's tracks with those of the second's.
+    struct Cross {
+        Eigen::MatrixXd matrix;
+        std::int64_t valid_from = 0, valid_to = 0;  ///< ns
+        template <class Archive> void state(Archive& archive) { archive(matrix, valid_from, valid_to); }
+    };
+
     Rule rule_ = Rule::matrix;
+    double correlation_ = 0;
+    std::optional<Cross> cross_;  ///< state
 };
 
 }  // namespace weighted

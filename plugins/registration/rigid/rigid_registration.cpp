@@ -116,8 +116,8 @@ void RigidRegistration::find_sensors(const pelorus::Setup& setup) {
                                                             measured.text() + ", it is told as " + move.space().text());
         if (move.is_of_plane() && is_given()) check_plane(given_, sensor.name());
         scratch = std::max(scratch, move.scratch_bytes());
-        moved_[sensor.name()] = move;
-        measured_[sensor.name()] = measured;
+        moved_.emplace(sensor.name(), move);
+        measured_.emplace(sensor.name(), measured);
     }
     for (const auto& sensor : setup.parts<pelorus::SensorPart>("local")) {
         if (sensor.name().empty()) throw pelorus::PartError("local", "has a part without a name; scans are told by it");
@@ -213,6 +213,10 @@ void RigidRegistration::on_scan(const pelorus::Event& event, const plr_scan& sca
         return send(event.time, out);
     }
     const SensorMove& move = found->second;
+    const pelorus::Space& measured = measured_.at(found->first);
+    if (!measured.same(pelorus::Space(*scan.space)))
+        throw pelorus::DataError("sensor " + found->first + " measures " + measured.text() + ", its scan has " +
+                                 pelorus::Space(*scan.space).text());
     const Motion motion = motion_from(scan.frame);
     if (move.is_of_plane()) check_plane(motion, found->first);
     const SensorMove::Moved moved = move(scan, event.time, motion, covariance_, caller_);

@@ -141,6 +141,25 @@ TEST_CASE("rigid registration: without parameters the frames of the config tell 
     CHECK_THROWS_WITH(by_frames.scan(space, fix(), radar_noise(), "radar", "nowhere"), Catch::Contains("nowhere"));
 }
 
+TEST_CASE("rigid registration: sites by parameters are sites by frames", "[registration]") {
+    const std::string sites = "from_site: [43.1 deg, 5.9 deg, 12 m], to_site: [43.5 deg, 6.4 deg, 900 m]";
+    Rig by_parameters("{" + sites + "}", "position", "{}"), by_frames("{}", "position", "{}"),
+        back("{" + sites + ", direction: inverse}", "position", "{}");
+    by_frames.bench.frames.add_geodetic("radar", 43.1 * degree, 5.9 * degree, 12);
+    by_frames.bench.frames.add_geodetic("eo", 43.5 * degree, 6.4 * degree, 900);
+    const pelorus::Space space = pelorus::position_space(3);
+    VectorXd far(3);
+    far << 41e3, 45e3, 2e3;
+    const plr_scan& told = by_parameters.scan(space, far, radar_noise());
+    const plr_scan& expected = by_frames.scan(space, far, radar_noise(), "radar", "radar");
+    const VectorXd there = pelorus::item(told.measurements, 0);
+    const MatrixXd noise = pelorus::item(told.covariances, 0);
+    CHECK((there - pelorus::item(expected.measurements, 0)).norm() < 1e-6);
+    CHECK((noise - pelorus::item(expected.covariances, 0)).norm() < 1e-9);
+    CHECK(there.norm() < 5e3);  // over the other site, half a degree away
+    CHECK((VectorXd(pelorus::item(back.scan(space, there, noise).measurements, 0)) - far).norm() < 1e-8);
+}
+
 TEST_CASE("rigid registration: what stands along the new axes keeps its values, other sensors keep all",
           "[registration]") {
     Rig rig(std::string("{") + of_paper + "}", "spherical", "{angle: zenith}");
@@ -155,6 +174,9 @@ TEST_CASE("rigid registration: what stands along the new axes keeps its values, 
     const plr_scan& other = rig.scan(bearings, z, noise, "sonar", "sea");
     CHECK(std::string(other.frame) == "sea");
     CHECK(VectorXd(pelorus::item(other.measurements, 0)) == z);
+    CHECK_THROWS_WITH(
+        rig.scan(bearings, z, noise, "radar"),
+        "sensor radar measures range [m], azimuth [rad], zenith [rad], its scan has azimuth [rad], zenith [rad]");
 }
 
 TEST_CASE("rigid registration: a scan without covariances has the sensor's own noise", "[registration]") {
