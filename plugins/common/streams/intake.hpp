@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "leaps.hpp"
 #include "sample_buffer.hpp"
 
 namespace streams {
@@ -16,6 +17,7 @@ public:
     std::string sensor_;
     double lateness_ = 0;  // s
     Late late_ = Late::drop;
+    double leap_ = 10;  // s
     std::int64_t capacity_ = 4096;
 
     template <class Plugin> static void describe_intake(pelorus::Describe<Plugin>& plugin) {
@@ -30,6 +32,14 @@ public:
             .initially("drop")
             .choices({{"drop", "left out and counted"}, {"refuse", "an error of the data, which the log tells"}})
             .doc("what becomes of a sample whose time has been told");
+        plugin.parameter("leap", &Intake::leap_)
+            .unit("s")
+            .initially("10 s")
+            .above(0)
+            .doc(
+                "a stamp that runs further ahead of its arrival than any before, by more than this, counts only when "
+                "the "
+                "next one agrees with it: then the clock has been set");
         plugin.parameter("capacity", &Intake::capacity_)
             .initially("4096")
             .min(2)
@@ -40,6 +50,7 @@ public:
 protected:
     void set_up_intake(const pelorus::Setup& setup) {
         lateness_ns_ = nanoseconds("lateness", lateness_);
+        leap_ns_ = nanoseconds("leap", leap_);
         diagnostics_ = setup.optional_service<plr_diagnostics>();
     }
 
@@ -51,12 +62,22 @@ protected:
 
     /// The scan's sample, if it saw the object. Changes nothing; throws DataError for what the stream cannot take.
     std::optional<Sample> read(const plr_scan& scan, Clock time) const {
+        check_stamp(sensor_, time);
         if (place_ && (place_->frame != scan.frame || !place_->space.same(pelorus::Space(*scan.space))))
             throw pelorus::DataError("scans of " + sensor_ + " changed from frame '" + place_->frame + "', " +
                                      place_->space.text() + " to frame '" + scan.frame + "', " +
                                      pelorus::Space(*scan.space).text());
         if (scan.measurements.count == 0) return std::nullopt;
-        return sample_of(scan, time);
+        Sample sample = sample_of(scan, time);
+        check_stamp(sensor_, sample.time);
+        return sample;
+    }
+    /// Whether a stamp is to be left out for running ahead; notes it.
+    bool leaps(Clock stamp, Clock arrival) {
+        const bool is_leap = leaps_.is_leap(stamp, arrival, leap_ns_);
+        leaps_.note(stamp, arrival, is_leap);
+        if (is_leap) count("leaps");
+        return is_leap;
     }
     /// Throws DataError where late samples are refused.
     void judge_late(bool is_late) const {
@@ -83,7 +104,7 @@ protected:
 
     /// What save keeps of it.
     template <class Archive> void intake_state(Archive& archive) {
-        archive(place_, samples_, reached_);
+        archive(place_, samples_, reached_, leaps_);
         if constexpr (Archive::reading)
             for (const Sample& each : samples_.samples())
                 if (!place_ || !fits(each)) throw pelorus::DataError("saved samples are of another space");
@@ -92,6 +113,7 @@ protected:
     std::optional<Place> place_;  ///< of the stream
     SampleBuffer samples_;
     std::optional<Clock> reached_;  ///< its newest stamp
+    Leaps leaps_;                   ///< of all sensors: their clocks agree by far better than that
 
 private:
     bool fits(const Sample& sample) const {
@@ -99,7 +121,7 @@ private:
         return sample.value.size() == m && sample.covariance.rows() == m && sample.covariance.cols() == m;
     }
 
-    Clock lateness_ns_ = 0;
+    Clock lateness_ns_ = 0, leap_ns_ = 0;
     const plr_diagnostics* diagnostics_ = nullptr;
 };
 

@@ -45,13 +45,12 @@ public:
         if (name == sensor_) {
             take(event, scan);
         } else {
+            check_stamp(name, event.time);
             close_silent(event.arrival);
-            if (name == onto_ && !is_closed(event.time)) {
+            if (name == onto_ && opens(event))
                 hold(event, scan);
-            } else {
-                if (name == onto_) count("late_times");
+            else
                 this->publish(0, passed_on(scan, event.time));
-            }
         }
         close_reached();
     }
@@ -93,11 +92,18 @@ private:
         const bool is_late = sample && (is_closed(time) || is_silent_until(event.arrival, time));
         judge_late(is_late);
         close_silent(event.arrival);
+        if (leaps(time, event.arrival)) return;
         reach(scan, time);
         if (is_late) return count("late");
         if (sample) keep(std::move(*sample));
     }
 
+    /// Whether a scan of `onto` opens a time. It passes alone where that has been told, or has no place in time.
+    bool opens(const pelorus::Event& event) {
+        if (leaps(event.time, event.arrival)) return false;
+        if (is_closed(event.time)) count("late_times");
+        return !is_closed(event.time);
+    }
     void hold(const pelorus::Event& event, const plr_scan& scan) {
         auto at = open_.end();
         while (at != open_.begin() && std::prev(at)->scan.time() > event.time) --at;

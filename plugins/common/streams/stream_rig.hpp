@@ -55,8 +55,13 @@ template <class Stage> struct StreamRig {
         pelorus::ScanBuilder scan(sensor, "site", space);
         stage.receive(0, scan.message(ns(time)));
     }
-    void eo(double time, double range = 0) { send("eo", time, vector({range, 0})); }
-    void radar(double time) { send("radar", time, vector({1000, 0})); }
+    void eo(double time, double range = 0) { send_range("eo", time, range); }
+    void radar(double time) { send_range("radar", time, 1000); }
+    void send_range(const std::string& sensor, double time, double range) {
+        VectorXd value = VectorXd::Zero(space.size());
+        value(0) = range;
+        send(sensor, time, value);
+    }
 
     /// All that has been published, or that of one sensor.
     std::vector<Told> told(const std::string& sensor = "") const {

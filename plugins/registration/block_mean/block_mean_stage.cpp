@@ -56,8 +56,10 @@ void BlockMean::on_scan(const pelorus::Event& event, const plr_scan& scan) {
     if (sensor_ == scan.sensor) {
         take(event, scan);
     } else {
+        streams::check_stamp(scan.sensor, event.time);
         close_until(silent_until(event.arrival));
-        if (others_ == Others::held && !is_closed(event.time))
+        const bool is_leap = leaps(event.time, event.arrival);
+        if (others_ == Others::held && !is_leap && !is_closed(event.time))
             hold(event, scan);
         else
             publish(0, streams::passed_on(scan, event.time));
@@ -75,6 +77,7 @@ void BlockMean::take(const pelorus::Event& event, const plr_scan& scan) {
     const bool is_late = sample && (is_closed(time) || (silent && time <= *silent));
     judge_late(is_late);
     close_until(silent);
+    if (leaps(time, event.arrival)) return;
     reach(scan, time);
     last_arrival_ = event.arrival;
     if (is_late) return count("late");

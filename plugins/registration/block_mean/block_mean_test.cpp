@@ -137,6 +137,19 @@ TEST_CASE("block mean: times before the epoch lie in blocks as well", "[registra
     CHECK(rig.order() == "eo -1, eo -0.725, eo -0.225");
 }
 
+TEST_CASE("block mean: one stamp from the future closes no blocks", "[registration]") {
+    const std::string wrong = GENERATE("eo", "radar");
+    Rig rig;
+    frames(rig, 1, 3);
+    rig.radar(0.15);
+    rig.send(wrong, 3600, vector({0, 0}), 0.17);
+    frames(rig, 4, 20);
+    CHECK(rig.counted("leaps") == 1);
+    CHECK(rig.counted("late") == 0);
+    CHECK(rig.order() ==
+          (wrong == "eo" ? "radar 0.15, eo 0.275, eo 0.775" : "radar 3600, radar 0.15, eo 0.275, eo 0.775"));
+}
+
 TEST_CASE("block mean: no more than capacity is kept", "[registration]") {
     Rig rig(", capacity: 5");
     frames(rig, 1, 10);

@@ -176,6 +176,28 @@ TEST_CASE("least squares registration: no more than capacity is kept", "[registr
     CHECK(waiting.counted("closed_early") == 5);
 }
 
+TEST_CASE("least squares registration: one stamp from the future closes nothing, a clock that was set does",
+          "[registration]") {
+    Rig rig;
+    const std::string wrong = GENERATE("eo", "radar");
+    frames(rig, 1, 30);
+    rig.send(wrong, 3600, vector({0, 0}), 3.05);
+    frames(rig, 31, 39);
+    rig.radar(4);
+    frames(rig, 40, 40);
+    CHECK(rig.counted("leaps") == 1);
+    CHECK(rig.counted("late") == 0);
+    CHECK(rig.order() == (wrong == "eo" ? "radar 4, eo 4" : "radar 3600, radar 4, eo 4"));
+    CHECK(rig.told("eo").at(0).covariance(0, 0) == Approx(25 * 2 * 79 / (40.0 * 41.0)).epsilon(1e-12));
+    // From here on both clocks are an hour ahead.
+    for (int i = 41; i <= 60; ++i) rig.send("eo", 3600 + 0.1 * i, vector({1, 0}), 0.1 * i);
+    for (const double t : {6.0, 8.0}) {
+        rig.send("radar", 3600 + t, vector({1, 0}), t);
+        for (int i = 1; i <= 20; ++i) rig.send("eo", 3600 + t + 0.1 * i, vector({1, 0}), t + 0.1 * i);
+    }
+    CHECK(rig.told("eo").back().time == ns(3608));
+}
+
 TEST_CASE("least squares registration: frames that saw nothing still tell how far the stream is", "[registration]") {
     Rig rig;
     frames(rig, 1, 18);
