@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include <pelorus/abi/abi.h>
@@ -131,12 +131,11 @@ void merge_table(TableTotals& table, TableTotals later) {
     renumber_texts(later, table);
     table.non_finite += later.non_finite;
     merge_in_order(
-        table.rows, std::move(later.rows),
-        [](const RowTotals& a, const RowTotals& b) { return a.occurrence == b.occurrence && a.key == b.key; },
+        table.rows, std::move(later.rows), [](const RowTotals& row) { return std::tie(row.key, row.occurrence); },
         [&](RowTotals& row, RowTotals other) { merge_row(table.columns, row, std::move(other)); });
     merge_in_order(
         table.scalars, std::move(later.scalars),
-        [](const ColumnScalar& a, const ColumnScalar& b) { return a.name == b.name; },
+        [](const ColumnScalar& scalar) -> const std::string& { return scalar.name; },
         [](ColumnScalar& scalar, const ColumnScalar& other) { scalar.non_finite += other.non_finite; });
 }
 
@@ -182,7 +181,7 @@ void Totals::merge_scalars(std::vector<ScalarTotals> later, std::uint64_t count)
         scalar.weights.insert(scalar.weights.begin(), runs_, 1);
     }
     merge_in_order(
-        scalars_, std::move(later), [](const ScalarTotals& a, const ScalarTotals& b) { return a.name == b.name; },
+        scalars_, std::move(later), [](const ScalarTotals& scalar) -> const std::string& { return scalar.name; },
         [&](ScalarTotals& scalar, const ScalarTotals& other) {
             const auto from = static_cast<std::ptrdiff_t>(runs_);
             scalar.values.insert(scalar.values.end(), other.values.begin() + from, other.values.end());
@@ -197,10 +196,11 @@ void Totals::merge_scalars(std::vector<ScalarTotals> later, std::uint64_t count)
 
 void Totals::merge(Totals later) {
     merge_in_order(
-        tables_, std::move(later.tables_),
-        [](const TableTotals& a, const TableTotals& b) { return a.node == b.node && a.name == b.name; },
+        tables_, std::move(later.tables_), [](const TableTotals& table) { return std::tie(table.node, table.name); },
         [](TableTotals& table, TableTotals other) { merge_table(table, std::move(other)); });
-    merge_in_order(names_, std::move(later.names_), std::equal_to<>(), [](const std::string&, const std::string&) {});
+    merge_in_order(
+        names_, std::move(later.names_), [](const std::string& name) -> const std::string& { return name; },
+        [](const std::string&, const std::string&) {});
     merge_scalars(std::move(later.scalars_), later.runs_);
     failed_.insert(failed_.end(), later.failed_.begin(), later.failed_.end());
     runs_ += later.runs_;

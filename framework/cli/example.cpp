@@ -135,6 +135,17 @@ Json ExampleMaker::part(const Json& plugin, const Json* slot, Chain& chain) cons
     return json;
 }
 
+/// A port that tells what `in` takes: of something that needs no node before it, if there is one.
+std::string ExampleMaker::origin(const Json& plugin, const Json& in) const {
+    for (const bool is_source : {true, false})
+        for (const Json& other : plugins_)
+            for (const Json& out : other["out_ports"])
+                if (out["message"] == in["message"] && other["kind"] != plugin["kind"] &&
+                    (other["kind"] == "source") == is_source)
+                    return other["kind"].get<std::string>() + "." + out["name"].get<std::string>();
+    return "";
+}
+
 Json ExampleMaker::edges(const Json& plugin) const {
     Json edges = Json::object();
     const Json& ports = plugin["in_ports"];
@@ -143,11 +154,7 @@ Json ExampleMaker::edges(const Json& plugin) const {
         std::all_of(ports.begin(), ports.end(), [](const Json& port) { return port["optional"] == true; });
     for (const Json& in : ports) {
         if (in["optional"] == true && !(is_end && all_optional)) continue;
-        std::string from;
-        for (const Json& other : plugins_)
-            for (const Json& out : other["out_ports"])
-                if (from.empty() && out["message"] == in["message"] && other["kind"] != plugin["kind"])
-                    from = other["kind"].get<std::string>() + "." + out["name"].get<std::string>();
+        const std::string from = origin(plugin, in);
         edges[in["name"]] = from.empty() ? "NODE.PORT" : from;
     }
     return edges;

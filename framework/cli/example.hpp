@@ -17,8 +17,8 @@ public:
     explicit ExampleMaker(const std::vector<Json>& plugins) : plugins_(plugins) {}
 
     /// `{use, in, with, parts}`: required parameters with some value that is allowed, slots that want parts filled with the first
-    /// plugin of their kind that fits, in ports joined to the first plugin that publishes what they take. A model has
-    /// its defaults written out.
+    /// plugin of their kind that fits, in ports joined to the first plugin that publishes what they take, sources
+    /// before all others. A model has its defaults written out.
     Json example(const Json& plugin) const;
 
 private:
@@ -27,6 +27,7 @@ private:
     Json part(const Json& plugin, const Json* slot, Chain& chain) const;
     Json fill(const Json& slot, Chain& chain) const;
     Json edges(const Json& plugin) const;
+    std::string origin(const Json& plugin, const Json& in) const;
 
     const std::vector<Json>& plugins_;
 };
