@@ -94,7 +94,7 @@ struct Saboteur : ConstantVelocity<Saboteur> {
     }
     const void* extension(const char* id) const noexcept {
         // Whatever version of it is asked for.
-        if (DEFECT("unknown-extensions-are-null") && std::strncmp(id, "pelorus.motion.structure.", 25) == 0)
+        if (DEFECT("unknown-extensions-are-null") && std::strncmp(id, "pelorus.motion.structure/", 25) == 0)
             return Base::extension(PLR_MOTION_STRUCTURE);
         if (NEAR_MISS("unknown-extensions-are-null") && std::strcmp(id, "org.example.extension/1") == 0)
             return &table();
