@@ -118,4 +118,19 @@ private:
     std::uint64_t ids_ = 0;
 };
 
+inline World wrong(int bias, double by) {
+    World world;
+    world.biases(bias) = by;
+    return world;
+}
+
+/// Sensors that tell all of it: a reference of 1 m and 0.2 mrad.
+inline World precise() {
+    World world;
+    world.radar_sd = {1, 2e-4, 2e-4};
+    world.eo_sd = {1, 1e-5, 1e-5};
+    world.targets = {circle(0.05, 800, 300), circle(-0.08, 400, 500)};
+    return world;
+}
+
 }  // namespace calibration

@@ -4,25 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 namespace calibration {
 
 namespace {
-
-constexpr std::size_t most_times = 256;  ///< of the table `biases`
-
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
-
-plr_message scan_message(std::int64_t time, const plr_scan& scan) {
-    plr_message message{};
-    message.struct_size = sizeof message;
-    message.kind = PLR_MESSAGE_SCAN;
-    message.time = time;
-    message.arrival = std::numeric_limits<std::int64_t>::min();
-    message.body.scan = &scan;
-    return message;
-}
 
 std::int64_t time_of(const pelorus::Event& event, const plr_scan& scan, std::int64_t i) {
     return scan.times == nullptr ? event.time : scan.times[i];
@@ -38,15 +22,6 @@ void expect_space(const plr_scan& scan, const SensorModel& sensor) {
     if (!offered.same(sensor.space()))
         throw pelorus::DataError("a scan of sensor " + sensor.name() + " has " + offered.text() +
                                  ", its model measures " + sensor.space().text());
-}
-
-/// The shortest x with slope x = e, damped where the rows of the slope are not independent.
-Eigen::Vector3d shortest(const Eigen::MatrixXd& slope, const Eigen::VectorXd& e) {
-    Eigen::MatrixXd square = slope * slope.transpose();
-    square.diagonal().array() += 1e-12 * square.trace();
-    const Eigen::LLT<Eigen::MatrixXd> factor(square);
-    if (factor.info() != Eigen::Success) throw pelorus::NumericError("a line of sight is not finite");
-    return slope.transpose() * factor.solve(e);
 }
 
 }  // namespace
@@ -144,7 +119,7 @@ void CalibrationStage::check_state() const {
 void CalibrationStage::on_scan(const pelorus::Event& event, const plr_scan& scan) {
     if (scan.sensor == reference_.name()) return take_reference(event, scan);
     if (scan.sensor == sensor_.name()) return take_sensor(event, scan);
-    publish(scans_out, scan_message(event.time, scan));
+    publish_scan(event.time, scan);
 }
 
 /// True where this scan has come before; scans without a measurement teach nothing and are not remembered.
@@ -171,7 +146,7 @@ void CalibrationStage::take_reference(const pelorus::Event& event, const plr_sca
             count("refused_fixes");
         }
     }
-    publish(scans_out, scan_message(event.time, scan));
+    publish_scan(event.time, scan);
     if (fixes.empty() || is_repeated(event.time, fixes.front().id)) return;
     if (!newest_fix_ || event.time >= *newest_fix_) {
         newest_fix_ = event.time;
@@ -212,139 +187,6 @@ void CalibrationStage::take_sensor(const pelorus::Event& event, const plr_scan& 
     frames_.insert(place, std::move(frame));
     learn(event);
 }
-
-// ---------------------------------------------------------------------------------------------------------- correction
-
-Estimate CalibrationStage::applied_to(Corrected what) const {
-    Estimate out = biases_.estimate();
-    BiasVector mask = BiasVector::Zero();  // tracks are moved as a whole; ranges and stamps are the measurements' own
-    if (what == Corrected::tracks || corrected_ == Corrected::scans) mask.head<6>().setOnes();
-    if (what == Corrected::scans) mask.tail<2>().setOnes();
-    out.value = out.value.cwiseProduct(mask);
-    out.covariance = mask.asDiagonal() * out.covariance * mask.asDiagonal();
-    if (mode_ == Mode::schmidt) {
-        out.covariance += out.value * out.value.transpose();
-        out.value.setZero();
-    } else if (spread_ == Spread::kept) {
-        out.covariance.setZero();
-    }
-    return out;
-}
-
-void CalibrationStage::publish_corrected(const pelorus::Event& event, const plr_scan& scan, const Frame& frame) {
-    const Estimate estimate = applied_to(Corrected::scans);
-    const bool widens = !estimate.covariance.isZero(0);
-    if (frame.samples.empty() || last_fixes_.empty() || !pose_ || (estimate.value.isZero(0) && !widens))
-        return publish(scans_out, scan_message(event.time, scan));
-    const std::int64_t n = scan.measurements.count, m = scan.measurements.rows;
-    const std::int64_t early = nanoseconds(estimate.value(clock_offset));
-    std::vector<double> values, covariances;
-    std::vector<std::int64_t> times;
-    for (std::int64_t i = 0; i < n; ++i) {
-        const Sample& sample = frame.samples[static_cast<std::size_t>(i)];
-        Eigen::VectorXd value = sample.value;
-        Eigen::MatrixXd noise = sample.variances.asDiagonal();
-        if (scan.covariances.data != nullptr) noise = pelorus::item(scan.covariances, i);
-        if (!correct(sample, estimate, value, noise)) count("uncorrected");
-        values.insert(values.end(), value.data(), value.data() + m);
-        covariances.insert(covariances.end(), noise.data(), noise.data() + m * m);
-        times.push_back(sample.time - early);
-    }
-    plr_scan corrected = scan;
-    corrected.struct_size = sizeof corrected;
-    corrected.measurements = pelorus::const_view(values.data(), m, 1, n);
-    if (widens) corrected.covariances = pelorus::const_view(covariances.data(), m, m, n);
-    if (scan.times != nullptr) corrected.times = times.data();
-    publish(scans_out, scan_message(event.time - early, corrected));
-}
-
-/// Of the newest fixes the one that lies nearest the line of sight.
-Eigen::Vector3d CalibrationStage::place_of(const Sample& sample) {
-    const Fix* best = &last_fixes_.front();
-    if (last_fixes_.size() == 1) return best->position;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Fix& fix : last_fixes_) {
-        const Eigen::VectorXd expected = sensor_.biased(caller_, fix.position, *pose_, biases_.mean());
-        const Eigen::VectorXd e = sensor_.residual(caller_, sample.value, expected);
-        const double squared = (e.array().square() / sample.variances.array()).sum();
-        if (!(squared < least)) continue;
-        least = squared;
-        best = &fix;
-    }
-    return best->position;
-}
-
-/// Finds a place where the biased sensor would measure just this, as near as possible to a fix, and asks what it would have
-/// measured there without its biases.
-bool CalibrationStage::correct(const Sample& sample, const Estimate& estimate, Eigen::VectorXd& value,
-                               Eigen::MatrixXd& noise) {
-    try {
-        Eigen::Vector3d place = place_of(sample);
-        const Eigen::VectorXd weights = sample.variances.cwiseSqrt().cwiseInverse();
-        for (int pass = 0; pass < 3; ++pass) {
-            const Eigen::VectorXd e =
-                sensor_.residual(caller_, sample.value, sensor_.biased(caller_, place, *pose_, estimate.value));
-            const Eigen::MatrixXd slope =
-                weights.asDiagonal() * sensor_.biased_jacobian(caller_, place, *pose_, estimate.value);
-            place += shortest(slope, weights.cwiseProduct(e));
-        }
-        Eigen::VectorXd corrected = sample.value;
-        if (!estimate.value.isZero(0)) {
-            const Eigen::VectorXd without = sensor_.biased(caller_, place, *pose_, BiasVector::Zero()),
-                                  with = sensor_.biased(caller_, place, *pose_, estimate.value);
-            corrected += sensor_.residual(caller_, without, with);
-            corrected = sensor_.residual(caller_, corrected, Eigen::VectorXd::Zero(corrected.size()));  // wraps angles
-        }
-        const BiasSlope over = sensor_.bias_slope(caller_, place, *pose_, estimate.value);
-        const Eigen::MatrixXd widened = noise + over * estimate.covariance * over.transpose();
-        if (!corrected.allFinite() || !widened.allFinite()) return false;
-        value = corrected;
-        noise = widened;
-        return true;
-    } catch (const pelorus::Failure& failure) {
-        if (failure.code() != PLR_E_NUMERIC) throw;
-        return false;
-    }
-}
-
-void CalibrationStage::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
-    plr_message message{};
-    message.struct_size = sizeof message;
-    message.kind = PLR_MESSAGE_TRACKS;
-    message.time = event.time;
-    message.arrival = std::numeric_limits<std::int64_t>::min();
-    message.body.tracks = &tracks;
-    const Estimate estimate = applied_to(Corrected::tracks);
-    const bool is_right = estimate.value.isZero(0) && estimate.covariance.isZero(0);
-    if (corrected_ != Corrected::tracks || !pose_ || is_right || tracks.count == 0) return publish(tracks_out, message);
-
-    const TrackCorrection correction{pelorus::Space(*tracks.space)};
-    std::vector<double> means, covariances, extents;
-    for (std::int64_t i = 0; i < tracks.count; ++i) {
-        Eigen::VectorXd mean = pelorus::item(tracks.mean, i);
-        Eigen::MatrixXd covariance = pelorus::item(tracks.covariance, i);
-        correction(*pose_, estimate, mean, covariance);
-        means.insert(means.end(), mean.data(), mean.data() + mean.size());
-        covariances.insert(covariances.end(), covariance.data(), covariance.data() + covariance.size());
-        if (tracks.extent.data == nullptr) continue;
-        const Eigen::MatrixXd extent = pelorus::item(tracks.extent, i);
-        const Eigen::MatrixXd turn =
-            TrackCorrection::turn(*pose_, estimate.value).topLeftCorner(extent.rows(), extent.cols());
-        const Eigen::MatrixXd turned = turn * extent * turn.transpose();
-        extents.insert(extents.end(), turned.data(), turned.data() + turned.size());
-    }
-    plr_tracks moved = tracks;
-    moved.struct_size = sizeof moved;
-    moved.mean = pelorus::const_view(means.data(), tracks.mean.rows, 1, tracks.count);
-    moved.covariance = pelorus::const_view(covariances.data(), tracks.mean.rows, tracks.mean.rows, tracks.count);
-    if (!extents.empty())
-        moved.extent = pelorus::const_view(extents.data(), tracks.extent.rows, tracks.extent.cols, tracks.count);
-    moved.records = pelorus::absent_view();  // they are of the world as the sensor sees it
-    moved.record_of = nullptr;
-    message.body.tracks = &moved;
-    publish(tracks_out, message);
-}
-
 // ------------------------------------------------------------------------------------------------------------ learning
 
 /// All fixes that frames surround by now, or never will.
@@ -414,107 +256,14 @@ void CalibrationStage::forget() {
     while (!seen_.empty() && is_old(seen_.front().first)) seen_.pop_front();
 }
 
-// ----------------------------------------------------------------------------------------------------------- telling
-
-void CalibrationStage::publish_values(std::int64_t time) {
-    pelorus::ValuesBuilder values;
-    const BiasVector& b = biases_.estimate().value;
-    const auto is_active = [&](int first, int last) {
-        return std::any_of(biases_.active().begin(), biases_.active().end(),
-                           [&](int bias) { return bias >= first && bias <= last; });
-    };
-    const std::string prefix = sensor_.name() + ".";
-    const bool is_plane = sensor_.dimension() == 2;
-    if (is_active(range_bias, range_bias)) {
-        Eigen::VectorXd addends = Eigen::VectorXd::Zero(sensor_.space().size());
-        addends(sensor_.space().index("range")) = b(range_bias);
-        values.add("", prefix + "bias", bias_units_, addends);
-    }
-    if (is_active(roll, yaw))
-        values.add("", prefix + "attitude_error", "rad",
-                   Eigen::VectorXd(is_plane ? b.segment(yaw, 1) : b.segment(roll, 3)));
-    if (is_active(offset_x, offset_z))
-        values.add("", prefix + "platform_position", "m", Eigen::VectorXd(b.segment(offset_x, is_plane ? 2 : 3)));
-    if (is_active(clock_offset, clock_offset)) values.add("", prefix + "clock_offset", "s", b.segment<1>(clock_offset));
-    publish(values_out, values.message(time));
-}
-
-CalibrationStage::Row CalibrationStage::row_at(std::int64_t time) const {
-    const Estimate& estimate = biases_.estimate();
-    Row row{time, estimate.value, estimate.covariance.diagonal().cwiseMax(0.0).cwiseSqrt(), estimate.presence,
-            BiasVector::Zero()};
-    for (const int bias : biases_.active()) row.observable(bias) = is_observable(bias) ? 1 : 0;
-    return row;
-}
-
-void CalibrationStage::note_observable(std::int64_t time) {
-    for (const int bias : biases_.active())
-        if (is_observable(bias) && std::isnan(observable_since_(bias)))
-            observable_since_(bias) = static_cast<double>(time) * 1e-9;
-}
-
-/// At whole multiples of the spacing, so that the rows of several runs meet.
-void CalibrationStage::add_rows(std::int64_t time) {
-    if (time < next_row_) return;
-    const std::int64_t multiple = time / row_spacing_ * row_spacing_;
-    rows_.push_back(row_at(multiple));
-    next_row_ = multiple + row_spacing_;
-    if (rows_.size() < most_times) return;
-    row_spacing_ *= 2;
-    rows_.erase(
-        std::remove_if(rows_.begin(), rows_.end(), [&](const Row& row) { return row.time % row_spacing_ != 0; }),
-        rows_.end());
-    next_row_ = (next_row_ + row_spacing_ - 1) / row_spacing_ * row_spacing_;
-}
-
-void CalibrationStage::publish_directions(std::int64_t time) {
-    pelorus::ResultBuilder result("directions");
-    result.column("rank", "", PLR_REDUCE_KEY);
-    result.column("ratio", "", PLR_REDUCE_MEAN);
-    for (const int bias : biases_.active())
-        result.column(bias_names[static_cast<std::size_t>(bias)].name, "", PLR_REDUCE_MEAN);
-    double rank = 0;
-    for (const Direction& direction : biases_.directions()) {
-        std::vector<double> row{++rank, direction.ratio};
-        for (const int bias : biases_.active()) row.push_back(direction.share(bias));
-        result.row(row);
-    }
-    publish(biases_out, result.message(time));
-}
-
-void CalibrationStage::finish(const pelorus::Event& event) {
-    pelorus::ResultBuilder result("biases");
-    std::vector<std::string> names;
-    for (const int bias : biases_.active()) names.emplace_back(bias_names[static_cast<std::size_t>(bias)].name);
-    if (names.empty()) return;
-    result.column("time", "s", PLR_REDUCE_KEY);
-    result.text_column("bias", PLR_REDUCE_KEY, names);
-    result.column("value", "", PLR_REDUCE_MEAN);
-    result.column("deviation", "", PLR_REDUCE_ROOT_MEAN_SQUARE);
-    result.column("presence", "", PLR_REDUCE_MEAN);
-    result.column("observable", "", PLR_REDUCE_MEAN);
-    for (const Row& row : rows_)
-        for (std::size_t k = 0; k < names.size(); ++k) {
-            const int bias = biases_.active()[k];
-            result.row({static_cast<double>(row.time) * 1e-9, static_cast<double>(k), row.value(bias),
-                        row.deviation(bias), row.presence(bias), row.observable(bias)});
-        }
-    const Row last = row_at(event.time);
-    for (std::size_t k = 0; k < names.size(); ++k) {
-        const int bias = biases_.active()[k];
-        const char* const unit = bias_names[static_cast<std::size_t>(bias)].unit;
-        result.scalar(names[k], unit, PLR_REDUCE_MEAN, last.value(bias));
-        result.scalar(names[k] + "_deviation", unit, PLR_REDUCE_ROOT_MEAN_SQUARE, last.deviation(bias));
-        result.scalar(names[k] + "_observable", "", PLR_REDUCE_MEAN, last.observable(bias));
-        result.scalar(names[k] + "_observable_since", "s", PLR_REDUCE_MEAN, observable_since_(bias));
-    }
-    publish(biases_out, result.message(event.time));
-    publish_directions(event.time);
-    if (pairs_ == 0 && log_ != nullptr && PLR_LOG_WARNING >= log_->level)
-        log_->write(log_->context, PLR_LOG_WARNING,
-                    ("nothing was learnt of sensor " + sensor_.name() + ": no fix of " + reference_.name() +
-                     " has three frames around it within `window`")
-                        .c_str());
+void CalibrationStage::publish_scan(std::int64_t time, const plr_scan& scan) {
+    plr_message message{};
+    message.struct_size = sizeof message;
+    message.kind = PLR_MESSAGE_SCAN;
+    message.time = time;
+    message.arrival = std::numeric_limits<std::int64_t>::min();
+    message.body.scan = &scan;
+    publish(scans_out, message);
 }
 
 void CalibrationStage::count(const char* name) const {

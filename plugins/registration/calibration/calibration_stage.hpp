@@ -1,6 +1,8 @@
 /// registration.calibration: estimates how a sensor is mounted and timed wrongly against another one, and takes it off. See README.md.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <deque>
 #include <limits>
 #include <optional>
@@ -15,6 +17,8 @@
 #include "track_correction.hpp"
 
 namespace calibration {
+
+inline std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 enum class Mode { augmented, schmidt };
 enum class Spread { kept, widened };
@@ -65,6 +69,7 @@ private:
     Frame frame_of(const pelorus::Event& event, const plr_scan& scan);
     bool is_repeated(std::int64_t time, std::uint64_t id);
 
+    void publish_scan(std::int64_t time, const plr_scan& scan);
     void publish_corrected(const pelorus::Event& event, const plr_scan& scan, const Frame& frame);
     /// What of the estimate is taken off scans, or off tracks; in Schmidt's mode nothing is, and all of it is spread.
     Estimate applied_to(Corrected what) const;

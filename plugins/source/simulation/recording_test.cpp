@@ -257,7 +257,8 @@ TEST_CASE("recording: what cannot be played is refused by one line", "[simulatio
     CHECK(refusal([&] { World(files.with("scans: 4"), "{}"); }) ==
           "scans: goes beyond the recording, whose last tick is k = 2");
     CHECK_THAT(refusal([&] { World(files.with(), "{}", 2); }), Catch::Contains("a recording is of one sensor"));
-    CHECK_THAT(refusal([&] { World(files.with(), "{period: 2 s}"); }), Catch::Contains("a period or jitter of its own"));
+    CHECK_THAT(refusal([&] { World(files.with(), "{period: 2 s}"); }),
+               Catch::Contains("a period or jitter of its own"));
     CHECK_THAT(refusal([&] { World(files.with(), "{}", 1, "spherical_rate", "{}"); }),
                Catch::Contains("a recording tells positions"));
     CHECK_THAT(refusal([&] { World("{scans: 3}", "{converted: true}", 1, "bearings", "{}"); }),
