@@ -123,7 +123,9 @@ void RigidRegistration::find_sensors(const pelorus::Setup& setup) {
         if (sensor.name().empty()) throw pelorus::PartError("local", "has a part without a name; scans are told by it");
         if (moved_.count(sensor.name()) != 0)
             throw pelorus::PartError("local", "has " + sensor.name() + ", which stands in `moved`, too");
-        local_[sensor.name()] = pelorus::Space(*sensor.info().measurement);
+        const LocalSensor local(sensor);
+        scratch = std::max(scratch, local.scratch_bytes());
+        local_.emplace(sensor.name(), local);
     }
     caller_.setup(setup, static_cast<std::size_t>(scratch) + 4096);
 }
@@ -138,12 +140,13 @@ std::vector<pelorus::Stream> RigidRegistration::in_streams(std::uint32_t port) c
         return {stream};
     }
     if (port != scans_in) return {};
-    for (const auto* sensors : {&measured_, &local_})
-        for (const auto& [name, space] : *sensors) {
-            stream.sensor = name;
-            stream.space = space;
-            out.push_back(stream);
-        }
+    const auto add = [&](const std::string& name, const pelorus::Space& space) {
+        stream.sensor = name;
+        stream.space = space;
+        out.push_back(stream);
+    };
+    for (const auto& [name, space] : measured_) add(name, space);
+    for (const auto& [name, sensor] : local_) add(name, sensor.space());
     pelorus::Stream other;
     other.any_sensor = other.any_space = other.any_frame = true;
     out.push_back(other);
@@ -163,9 +166,9 @@ std::vector<pelorus::Stream> RigidRegistration::out_streams(std::uint32_t port) 
         stream.space = move.space();
         out.push_back(stream);
     }
-    for (const auto& [name, space] : local_) {
+    for (const auto& [name, sensor] : local_) {
         stream.sensor = name;
-        stream.space = space;
+        stream.space = sensor.space();
         out.push_back(stream);
     }
     return out;
@@ -190,6 +193,18 @@ Motion RigidRegistration::motion_from(const char* frame, std::int64_t time) cons
     return out;
 }
 
+void RigidRegistration::check_local(const plr_scan& scan, std::int64_t time) {
+    if (!checked_.insert(scan.sensor).second) return;
+    const LocalSensor& sensor = local_.at(scan.sensor);
+    if (sensor.stands_there(Motion(), time, caller_) ||
+        sensor.stands_there(motion_from(scan.frame, time), time, caller_))
+        return;
+    throw pelorus::PartError("local", std::string("has ") + scan.sensor +
+                                          ", whose position and attitude are not those of " +
+                                          (frame_.empty() ? "this node's axes" : "frame " + frame_) +
+                                          "; give both the same, or take them out of the sensor");
+}
+
 void RigidRegistration::check_plane(const Motion& motion, const std::string& sensor) const {
     if (!motion.keeps_the_plane())
         throw pelorus::DataError("sensor " + sensor + " tells positions in the plane, which this motion tilts");
@@ -211,7 +226,10 @@ void RigidRegistration::on_scan(const pelorus::Event& event, const plr_scan& sca
     plr_scan out = scan;  // the host copies on publishing
     const auto found = moved_.find(scan.sensor);
     if (found == moved_.end()) {
-        if (local_.count(scan.sensor) != 0) out.frame = frame_.c_str();
+        if (local_.count(scan.sensor) != 0) {
+            check_local(scan, event.time);
+            out.frame = frame_.c_str();
+        }
         return send(event.time, out);
     }
     const SensorMove& move = found->second;

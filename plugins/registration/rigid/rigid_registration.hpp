@@ -2,11 +2,13 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <pelorus/stage.hpp>
 
+#include "local_sensor.hpp"
 #include "sensor_move.hpp"
 
 namespace rigid {
@@ -37,6 +39,8 @@ private:
     void find_sensors(const pelorus::Setup& setup);
     /// From the axes of `frame` into this node's.
     Motion motion_from(const char* frame, std::int64_t time) const;
+    /// Whether a local sensor stands where this node's axes do; once.
+    void check_local(const plr_scan& scan, std::int64_t time);
     void check_plane(const Motion& motion, const std::string& sensor) const;
     void send(std::int64_t time, const plr_scan& scan);
     void send(std::int64_t time, const plr_tracks& tracks);
@@ -46,8 +50,10 @@ private:
     Derivatives derivatives_ = Derivatives::velocity;
 
     std::map<std::string, SensorMove> moved_;
-    std::map<std::string, pelorus::Space> measured_, local_;
-    Motion given_;  ///< where the parameters tell it
+    std::map<std::string, pelorus::Space> measured_;
+    std::map<std::string, LocalSensor> local_;
+    std::set<std::string> checked_;  ///< of the local ones, since this instance began
+    Motion given_;                   ///< where the parameters tell it
     pelorus::Caller caller_;
     std::string frame_;
     const plr_frames* frames_ = nullptr;

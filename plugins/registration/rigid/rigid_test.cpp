@@ -179,6 +179,25 @@ TEST_CASE("rigid registration: what stands along the new axes keeps its values, 
         "sensor radar measures range [m], azimuth [rad], zenith [rad], its scan has azimuth [rad], zenith [rad]");
 }
 
+TEST_CASE("rigid registration: a local sensor that stands elsewhere than the new axes is refused", "[registration]") {
+    const pelorus::Space angles({{"azimuth", "rad", 0, 0, true}, {"zenith", "rad", 0, 0, true}});
+    const auto told = [&](const std::string& mount) {
+        Bench bench;
+        std::vector<Part> parts{{"local", "eo", part(bench, "sensor", "bearings", "{angle: zenith, " + mount + "}")}};
+        StageUnderTest stage(bench, pelorus::test::plugin_of<RigidRegistration>("registration.rigid"),
+                             std::string("{") + of_paper + "}", parts, "head");
+        pelorus::ScanBuilder builder("eo", "", angles);
+        const double z[] = {0.5, 1.2}, noise[] = {1e-10, 0, 0, 1e-10};
+        builder.add(1, z, noise);
+        stage.receive(RigidRegistration::scans_in, builder.message(second));
+        return std::string(bench.published.back().scan().frame);
+    };
+    CHECK(told("") == "head");  // along the new axes already
+    CHECK(told("position: [10 m, 5 m, 3 m], attitude: [-1 deg, 2 deg, -3 deg]") == "head");  // where the new axes stand
+    CHECK_THROWS_WITH(told("position: [10 m, 5 m, 3 m], attitude: [-1 deg, 2 deg, 0 deg]"),
+                      Catch::Contains("has eo, whose position and attitude are not those of frame head"));
+}
+
 TEST_CASE("rigid registration: a scan without covariances has the sensor's own noise", "[registration]") {
     Rig rig(std::string("{") + of_paper + "}", "spherical", "{angle: zenith, noise: [5 m, 3 mrad, 3 mrad]}");
     const MatrixXd own = pelorus::item(rig.scan(spherical_space(), seen(fix()), MatrixXd()).covariances, 0);
