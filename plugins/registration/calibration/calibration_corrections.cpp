@@ -115,11 +115,7 @@ bool CalibrationStage::correct(const Sample& sample, const Estimate& estimate, E
 }
 
 void CalibrationStage::on_tracks(const pelorus::Event& event, const plr_tracks& tracks) {
-    plr_message message{};
-    message.struct_size = sizeof message;
-    message.kind = PLR_MESSAGE_TRACKS;
-    message.time = event.time;
-    message.arrival = std::numeric_limits<std::int64_t>::min();
+    plr_message message = pelorus::detail::message_of(PLR_MESSAGE_TRACKS, event.time);
     message.body.tracks = &tracks;
     const Estimate estimate = applied_to(Corrected::tracks);
     const bool is_right = estimate.value.isZero(0) && estimate.covariance.isZero(0);

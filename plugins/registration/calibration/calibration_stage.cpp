@@ -257,11 +257,7 @@ void CalibrationStage::forget() {
 }
 
 void CalibrationStage::publish_scan(std::int64_t time, const plr_scan& scan) {
-    plr_message message{};
-    message.struct_size = sizeof message;
-    message.kind = PLR_MESSAGE_SCAN;
-    message.time = time;
-    message.arrival = std::numeric_limits<std::int64_t>::min();
+    plr_message message = pelorus::detail::message_of(PLR_MESSAGE_SCAN, time);
     message.body.scan = &scan;
     publish(scans_out, message);
 }

@@ -1,7 +1,6 @@
 #include "rigid_registration.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace rigid {
 
@@ -31,16 +30,6 @@ std::vector<int> places_of(const pelorus::Space& space, const pelorus::Space& th
 void append_symmetric(const Eigen::MatrixXd& matrix, std::vector<double>& to) {
     const Eigen::MatrixXd symmetric = 0.5 * (matrix + matrix.transpose());
     to.insert(to.end(), symmetric.data(), symmetric.data() + symmetric.size());
-}
-
-/// Of this time, to arrive now.
-plr_message message_at(std::int64_t time, std::uint32_t kind) {
-    plr_message message{};
-    message.struct_size = sizeof message;
-    message.kind = kind;
-    message.time = time;
-    message.arrival = std::numeric_limits<std::int64_t>::min();
-    return message;
 }
 
 }  // namespace
@@ -211,13 +200,13 @@ void RigidRegistration::check_plane(const Motion& motion, const std::string& sen
 }
 
 void RigidRegistration::send(std::int64_t time, const plr_scan& scan) {
-    plr_message message = message_at(time, PLR_MESSAGE_SCAN);
+    plr_message message = pelorus::detail::message_of(PLR_MESSAGE_SCAN, time);
     message.body.scan = &scan;
     publish(scans_out, message);
 }
 
 void RigidRegistration::send(std::int64_t time, const plr_tracks& tracks) {
-    plr_message message = message_at(time, PLR_MESSAGE_TRACKS);
+    plr_message message = pelorus::detail::message_of(PLR_MESSAGE_TRACKS, time);
     message.body.tracks = &tracks;
     publish(tracks_out, message);
 }
